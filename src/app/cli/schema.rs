@@ -149,7 +149,7 @@ fn definitions() -> Value {
     json!({
         "export options": { "type": "object", "properties": formats },
         "spread": {
-            "type": "string", "pattern": "[.][.]|±|[+]/?-",
+            "type": "string", "pattern": SPREAD_PATTERN,
             "description": "what each seed draws the number from: mean ± standard deviation, or low..high; in a list, \
                             of each number",
         },
@@ -241,6 +241,9 @@ fn of_tables(tables: &Tables) -> Value {
     json!({ "type": "array", "items": item, "maxItems": tables.most })
 }
 
+/// What tells a spread from other text.
+const SPREAD_PATTERN: &str = "[.][.]|±|[+]/?-";
+
 /// The same for a knob of a tree: numbers may be spreads, from which each seed draws.
 fn of_drawn(knob: &Knob, section: Section) -> Value {
     let mut schema = of(knob);
@@ -249,6 +252,12 @@ fn of_drawn(knob: &Knob, section: Section) -> Value {
         Kind::Real { .. } | Kind::Integer { .. } | Kind::Length { .. } | Kind::Reals { .. }
     );
     if section == Section::Tree || !is_number {
+        return schema;
+    }
+    // Limits are for numbers, patterns for text.
+    if let Some(number @ ("number" | "integer")) = schema["type"].as_str() {
+        schema["type"] = json!([number, "string"]);
+        schema["pattern"] = json!(SPREAD_PATTERN);
         return schema;
     }
     let description = schema["description"].take();
