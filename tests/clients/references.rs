@@ -84,6 +84,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
                 let text = fs::read_to_string(&file).unwrap();
                 assert!(!text.contains('@') && text.contains("inputs:diffuseColor = (0.2, 0.12, 0.07)"));
             }
+            "usdc" => assert!(fs::read(&file).unwrap().starts_with(b"PXR-USDC")),
             "usdz" | "3mf" => assert!(fs::read(&file).unwrap().starts_with(b"PK\x03\x04")),
             "html" => assert!(fs::read(&file).unwrap().to_ascii_lowercase().starts_with(b"<!doctype html>")),
             "stl" => {
