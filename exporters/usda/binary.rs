@@ -6,8 +6,8 @@ use linden_pipeline::Monitor;
 use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
-use super::{COLLISION, INSTANCES, LODS, MATERIALX, MOST, estimate, write_beside, write_layer};
-use crate::options::{OptionSpec, Options};
+use super::{COLLISION, MOST, OPTIONS, estimate, write_beside, write_layer};
+use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces};
@@ -22,15 +22,7 @@ static FORMAT: Format = Format {
     media_type: "model/vnd.usdc",
     self_contained: false,
     help: "what usda holds in a quarter of its bytes, which programs map into memory; pictures lie beside it",
-    options: &[
-        OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
-        OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
-        INSTANCES,
-        MATERIALX,
-        LODS,
-        COLLISION,
-        MOST,
-    ],
+    options: &OPTIONS,
     holds: Holds::SCENE,
     encoding: |_| Encoding::Binary,
     estimate: Some(estimate::binary_bytes),

@@ -16,7 +16,7 @@ enum Form<'s, 'a> {
         out: &'s mut Sink<'a>,
         depth: usize,
     },
-    Binary(Box<Crate<'s>>),
+    Binary(&'s mut Crate<'a>),
 }
 
 impl<'s, 'a> Layer<'s, 'a> {
@@ -26,15 +26,12 @@ impl<'s, 'a> Layer<'s, 'a> {
 
     /// The bytes of the crate file of what `write` writes.
     pub fn binary(
-        monitor: &'s dyn Monitor,
-        write: impl FnOnce(&mut Self) -> Result<(), ExportError>,
+        monitor: &dyn Monitor,
+        write: impl FnOnce(&mut Layer<'_, '_>) -> Result<(), ExportError>,
     ) -> Result<Vec<u8>, ExportError> {
-        let mut layer = Self(Form::Binary(Box::new(Crate::new(monitor))));
-        write(&mut layer)?;
-        match layer.0 {
-            Form::Binary(file) => Ok(file.finish()),
-            Form::Text { .. } => Ok(Vec::new()),
-        }
+        let mut file = Crate::new(monitor);
+        write(&mut Layer(Form::Binary(&mut file)))?;
+        Ok(file.finish())
     }
 
     /// Whole lines, each indented; empty ones stay empty.

@@ -47,8 +47,8 @@ pub(crate) use self::binary::Usdc;
 use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
-pub(crate) use self::syntax::quoted;
-use self::syntax::{identifier, unquoted};
+use self::syntax::identifier;
+pub(crate) use self::syntax::{quoted, unquoted};
 use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
 use crate::usdc::Names;
@@ -80,6 +80,17 @@ const LODS: OptionSpec = OptionSpec::choice(
     "levels of detail: variants of the set lod; or a file each, for programs that let nobody choose",
 );
 
+/// Of a layer with its pictures beside it.
+static OPTIONS: [OptionSpec; 7] = [
+    OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
+    OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+    INSTANCES,
+    MATERIALX,
+    LODS,
+    COLLISION,
+    MOST,
+];
+
 static FORMAT: Format = Format {
     id: "usda",
     name: "OpenUSD (text)",
@@ -87,15 +98,7 @@ static FORMAT: Format = Format {
     media_type: "model/vnd.usda",
     self_contained: false,
     help: "for film pipelines: mesh, UsdPreviewSurface and the skeleton as curves; pictures lie beside it",
-    options: &[
-        OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
-        OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
-        INSTANCES,
-        MATERIALX,
-        LODS,
-        COLLISION,
-        MOST,
-    ],
+    options: &OPTIONS,
     holds: Holds::SCENE,
     encoding: |_| Encoding::Text,
     estimate: Some(estimate::bytes),

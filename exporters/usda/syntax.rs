@@ -47,13 +47,24 @@ pub(crate) fn quoted(text: &str) -> String {
     literal
 }
 
-/// The text of what [`quoted`] makes of printable ASCII.
-pub(super) fn unquoted(literal: &str) -> Option<String> {
+/// The inverse of [`quoted`].
+pub(crate) fn unquoted(literal: &str) -> Option<String> {
     let inside = literal.trim_end().strip_prefix('"')?.strip_suffix('"')?;
     let mut text = String::with_capacity(inside.len());
     let mut letters = inside.chars();
     while let Some(c) = letters.next() {
-        text.push(if c == '\\' { letters.next()? } else { c });
+        text.push(match c {
+            '\\' => match letters.next()? {
+                'n' => '\n',
+                'x' => {
+                    let digits = [letters.next()?, letters.next()?];
+                    let [high, low] = digits.map(|digit| digit.to_digit(16));
+                    char::from_u32(16 * high? + low?)?
+                }
+                c => c,
+            },
+            c => c,
+        });
     }
     Some(text)
 }

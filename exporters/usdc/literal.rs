@@ -1,6 +1,8 @@
 //! The statements of a layer, of the text that the writers of prims hand on: declarations and single values. Long arrays
 //! never are text here.
 
+use crate::usda::unquoted;
+
 /// A word, sign or value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Piece<'t> {
@@ -45,7 +47,7 @@ impl<'t> Statements<'t> {
             let end = match first {
                 b'"' => {
                     let end = end_of_text(rest)?;
-                    pieces.push(Piece::Text(unquoted(&rest[1..end - 1])?));
+                    pieces.push(Piece::Text(unquoted(&rest[..end])?));
                     end
                 }
                 b'@' => {
@@ -155,27 +157,6 @@ fn end_of_text(text: &str) -> Option<usize> {
         }
     }
     None
-}
-
-/// The inverse of [`quoted`](crate::usda::quoted).
-fn unquoted(inside: &str) -> Option<String> {
-    let mut text = String::with_capacity(inside.len());
-    let mut letters = inside.chars();
-    while let Some(c) = letters.next() {
-        text.push(match c {
-            '\\' => match letters.next()? {
-                'n' => '\n',
-                'x' => {
-                    let digits = [letters.next()?, letters.next()?];
-                    let [high, low] = digits.map(|digit| digit.to_digit(16));
-                    char::from_u32(16 * high? + low?)?
-                }
-                c => c,
-            },
-            c => c,
-        });
-    }
-    Some(text)
 }
 
 #[cfg(test)]

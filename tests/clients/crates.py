@@ -56,6 +56,7 @@ def main():
         stage = Usd.Stage.Open(binary)
         assert stage.GetDefaultPrim(), binary
         assert not stage.GetCompositionErrors(), binary
+    assert arrays, "no array was compared"
     print(f"{compared} fields, {arrays} arrays")
 
 

@@ -5,7 +5,7 @@ use linden::preset::Preset;
 /// Whether another seed may give another skeleton. (Bark is drawn by chance too, and looks alike with
 /// every seed.)
 pub fn has_chance(preset: &Preset) -> bool {
-    preset.generator.draws()
+    preset.generator.draws() || preset.has_spreads()
 }
 
 #[cfg(test)]
@@ -17,6 +17,14 @@ mod tests {
     use linden::recipe::Recipe;
 
     use super::*;
+
+    #[test]
+    fn a_spread_leaves_a_tree_to_chance() {
+        let mut weed = linden::preset::builtin("abop-a").unwrap().load().unwrap();
+        assert!(!has_chance(&weed));
+        weed.set("angle", "25 ± 3").unwrap();
+        assert!(has_chance(&weed));
+    }
 
     #[test]
     fn trees_without_chance_are_the_same_from_every_seed_and_others_are_not() {
