@@ -8,7 +8,7 @@ use linden_base::monitor::Monitor;
 
 use crate::SelfOrganizing;
 use crate::grow::Growth;
-use crate::light::Change;
+use crate::shadow::Change;
 
 /// Young's modulus of green wood, Pa; 5e9 to 12e9 are measured.
 const STIFFNESS: f64 = 8e9;
@@ -66,7 +66,7 @@ impl Growth<'_> {
                 changes.push(Change { voxel: after, is_gone: false });
             }
         }
-        self.grid.change(&mut changes, &self.pyramid, monitor)
+        self.light.change(&mut changes, monitor)
     }
 
     /// How much each internode turns where it begins, against the one below.

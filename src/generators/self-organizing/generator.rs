@@ -154,6 +154,7 @@ mod tests {
             ("sharing", "priority"),
             ("leader", "0.54 0.5"),
             ("mature_leader", "0.48"),
+            ("light", "sky"),
             ("shade", "0.1"),
             ("shade_falloff", "1.5"),
             ("shade_depth", "4"),
@@ -172,6 +173,7 @@ mod tests {
             ("shed", "0.1"),
             ("shed_grace", "1"),
             ("shed_patience", "3"),
+            ("bole", "0.8"),
             ("twig_diameter", "0.01"),
             ("pipe_exponent", "2"),
             ("sag", "1"),
@@ -195,9 +197,22 @@ mod tests {
         assert_ne!(hash(&SelfOrganizing { leaf_weight_kg: 0.02, ..heavy.clone() }), hash(&heavy));
         let by_order = SelfOrganizing { upward: vec![0.3, 0.0], ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
+        let sky = SelfOrganizing { light: crate::LightModel::Sky, shade: 0.3, shed: 0.2, ..base.clone() };
+        for other in [
+            SelfOrganizing { leaf_years: 1, ..sky.clone() },
+            SelfOrganizing { shade: 0.4, ..sky.clone() },
+            SelfOrganizing { light_from: [1.0, 1.0, 0.0], ..sky.clone() },
+            SelfOrganizing { light_pull: 0.1, ..sky.clone() },
+        ] {
+            assert_ne!(hash(&other), hash(&sky), "{other:?}");
+        }
         // What is called idle changes nothing.
+        let idle = SelfOrganizing { shade_falloff: 2.0, shade_depth: 2, ..sky.clone() };
+        assert!(["shade_falloff", "shade_depth"].iter().all(|knob| idle.why_idle(knob).is_some()));
+        assert_eq!(hash(&idle), hash(&sky));
         let idle = SelfOrganizing {
             whorl: 3,
+            leaf_years: 1,
             priority_share: 1.0,
             mature_from: 3,
             decline_from: 3,

@@ -6,7 +6,8 @@ use linden_base::random::Key;
 use linden_skeleton::{Branching, Edge, NO_PARENT};
 
 use crate::error::FARTHEST;
-use crate::light::{Change, LightGrid, Pyramid};
+use crate::light::Light;
+use crate::shadow::Change;
 use crate::share::Shares;
 use crate::shed::shed;
 use crate::shoot::{Shoot, across, internodes};
@@ -95,8 +96,7 @@ const CENTRE: DVec3 = DVec3::new(0.5, 0.0, 0.5);
 pub(crate) struct Growth<'a> {
     pub settings: &'a SelfOrganizing,
     pub nodes: Nodes,
-    pub grid: LightGrid,
-    pub pyramid: Pyramid,
+    pub light: Light,
     /// The last one that passed.
     pub year: u32,
     pub shed: u64,
@@ -104,10 +104,7 @@ pub(crate) struct Growth<'a> {
 
 impl<'a> Growth<'a> {
     pub fn new(settings: &'a SelfOrganizing) -> Self {
-        let SelfOrganizing { shade, shade_falloff, shade_depth, light_from, .. } = *settings;
-        let pyramid = Pyramid::new(shade, shade_falloff, shade_depth, light_from);
-        let (nodes, grid) = (Nodes::default(), LightGrid::default());
-        Self { settings, nodes, grid, pyramid, year: 0, shed: 0 }
+        Self { settings, nodes: Nodes::default(), light: Light::new(settings), year: 0, shed: 0 }
     }
 
     /// Adds a seedling: a foot, in voxels, whose apex looks up, and the side of its first bud.
@@ -123,7 +120,8 @@ impl<'a> Growth<'a> {
         monitor.check()?;
         self.year += 1;
         self.drop_old_buds();
-        let sums = Sums::new(&self.nodes, &self.grid, &self.pyramid);
+        self.light.begin(&self.nodes, self.year, monitor)?;
+        let sums = Sums::new(&self.nodes, &self.light);
         let shares = Shares::new(&self.nodes, &sums, self.settings, self.year);
         let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year);
         let shoots = self.shoots(&shares);
@@ -134,7 +132,7 @@ impl<'a> Growth<'a> {
         let change = |node, is_gone| Change { voxel: self.nodes.voxel(node), is_gone };
         let mut changes: Vec<Change> = shed.map(|node| change(node, true)).collect();
         changes.extend((old..self.nodes.len()).map(|node| change(node, false)));
-        self.grid.change(&mut changes, &self.pyramid, monitor)?;
+        self.light.change(&mut changes, monitor)?;
         if shed_nodes > 0 {
             self.nodes.compact();
             self.shed += shed_nodes as u64;
@@ -165,8 +163,7 @@ impl<'a> Growth<'a> {
             if apex.is_none() && lateral.is_none() {
                 continue;
             }
-            let gradient = self.grid.gradient(self.nodes.voxel(node)).map(|part| part as f64);
-            let brighter = DVec3::from_array(gradient).normalize_or_zero();
+            let brighter = self.light.brighter(&self.nodes, node);
             let shoot =
                 |bud, (internodes, length)| Shoot { node: node as u32, bud, internodes, length, brighter };
             shoots.extend(apex.map(|size| shoot(None, size)));
@@ -193,7 +190,7 @@ impl<'a> Growth<'a> {
             return Err(SelfOrganizingError::TooManyNodes { year, years, nodes, limit });
         }
         // Lists may move to places twice as large.
-        let bytes = (there + new).saturating_mul(2 * NODE_BYTES) + self.grid.bytes();
+        let bytes = (there + new).saturating_mul(2 * NODE_BYTES) + self.light.bytes();
         Ok(monitor.admit(DOING, bytes, ADVICE)?)
     }
 

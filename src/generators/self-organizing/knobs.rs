@@ -4,7 +4,7 @@ use linden_base::field;
 use linden_base::knob::{Field, Kind, integer, real, real_or_auto};
 
 use crate::tree::MOST_BUDS;
-use crate::{MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
+use crate::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
 
 /// A list with a number for each order.
 const fn per_order(min: f64, max: f64) -> Kind {
@@ -131,13 +131,37 @@ impl SelfOrganizing {
             see_also(&["sharing", "priority_least"])
         ),
         field!(
+            "light",
+            Kind::Choice(LightModel::WORDS),
+            "",
+            "shadow: a pyramid of shade hangs below each node; sky: what passes the leaves between a bud and the sky",
+            light,
+            details(
+                "Pyramids end, and below them it is as bright as above: crowns get storeys with sky between. The sky's \
+                 light is taken by all leaves in its way: heads and domes, dark inside."
+            ),
+            see_also(&["shade", "leaf_years"])
+        ),
+        field!(
             "shade",
             real(0.0, 1.0),
             "",
             "light that the leaves of a node take where it is, of full light",
             shade,
-            details("0.05 to 0.2. With more, only the outer shell of the crown lives."),
-            see_also(&["shade_falloff", "shade_depth", "shed"])
+            details(
+                "With light=shadow 0.05 to 0.2, with light=sky 0.1 to 0.5. With more, only the outer shell of the \
+                 crown lives."
+            ),
+            see_also(&["light", "shade_falloff", "shade_depth", "shed"])
+        ),
+        field!(
+            "leaf_years",
+            integer(1, 1000),
+            "years",
+            "for how long a node has leaves, which take the light of the sky",
+            leaf_years,
+            details("1 to 3 for broadleaves, 3 to 10 for conifers. Bare wood takes no light."),
+            see_also(&["light", "shade"])
         ),
         field!(
             "shade_falloff",
@@ -302,6 +326,15 @@ impl SelfOrganizing {
             see_also(&["shed"])
         ),
         field!(
+            "bole",
+            real(0.0, 1000.0),
+            "m",
+            "height below which no branch grows: browsed by cattle, or pruned",
+            bole_m,
+            details("Stems do: the first axis, and buds that grow as stems by reiteration."),
+            see_also(&["shed", "max_order"])
+        ),
+        field!(
             "twig_diameter",
             real(0.0001, 1.0),
             "m",
@@ -361,10 +394,15 @@ impl SelfOrganizing {
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
             "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "bole" if self.max_order == 0 => Some("max_order is 0: there are no branches"),
             "leaf_weight" if self.sag == 0.0 => Some("sag is 0"),
-            "shade_falloff" | "shade_depth" | "light_from" | "light_pull" if self.shade == 0.0 => {
+            "shade_falloff" | "shade_depth" | "light_from" | "light_pull" | "leaf_years"
+                if self.shade == 0.0 =>
+            {
                 Some("shade is 0")
             }
+            "shade_falloff" | "shade_depth" if self.light == LightModel::Sky => Some("light is sky"),
+            "leaf_years" if self.light == LightModel::Shadow => Some("light is shadow"),
             "reiteration" if self.reiteration > self.bud_years + 1 => {
                 Some("no bud waits for so long: see bud_years")
             }

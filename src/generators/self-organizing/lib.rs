@@ -3,7 +3,7 @@
 //! Pałubicki et al. 2009, *Self-organizing tree models for image synthesis* (ACM Transactions on Graphics 28(3)).
 //! Nothing is drawn in advance: crown, bare bole and gaps between crowns come out of the competition. In a year
 //!
-//! 1. each bud reads its light from a grid of shade, and the light of all buds is summed down to the foot;
+//! 1. each bud reads its light from a grid, of shade or of the sky's light, and the light of all buds is summed down to the foot;
 //! 2. vigor times that light is shared among the buds again;
 //! 3. branches that were too dark for too long are shed;
 //! 4. a bud with a share of 1 or more grows a shoot of as many internodes, towards the light, up or level;
@@ -48,13 +48,15 @@ mod plane;
 #[cfg(test)]
 mod predictions;
 mod settings;
+mod shadow;
 mod share;
 mod shed;
 mod shoot;
+mod sky;
 mod sums;
 mod tree;
 
 pub use error::SelfOrganizingError;
 pub use generator::GENERATOR;
 pub use grow::{Grown, grow, grow_stand};
-pub use settings::{MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
+pub use settings::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};

@@ -4,7 +4,7 @@
 //! mapping*, the other way round), whatever its size: what is added at a corner holds for all voxels behind it, and the
 //! other corners end that. Summed along both axes the table is the shade.
 
-use crate::light::{Change, Pyramid};
+use crate::shadow::{Change, Pyramid};
 
 /// A level rectangle of voxels, whose differences become shade.
 #[derive(Debug, Default)]

@@ -8,11 +8,12 @@ use linden_base::random::Key;
 use linden_skeleton::{Axis, Branching, Edge, NO_PARENT, Skeleton, Wood};
 
 use crate::grow::Growth;
-use crate::light::{FULL_LIGHT, LightGrid};
+use crate::light::FULL_LIGHT;
+use crate::shadow::{LightGrid, Shadow};
 use crate::share::Shares;
 use crate::sums::Sums;
 use crate::tree::{APEX, LATERAL};
-use crate::{Grown, Phyllotaxis, SelfOrganizing, SelfOrganizingError, Sharing, grow, grow_stand};
+use crate::{Grown, LightModel, Phyllotaxis, SelfOrganizing, SelfOrganizingError, Sharing, grow, grow_stand};
 
 /// The settings of most measurements.
 fn measured() -> SelfOrganizing {
@@ -53,15 +54,16 @@ fn light_after_growth_shedding_and_bending_is_that_of_the_living_nodes_in_every_
     let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
     (0..18).for_each(|_| growth.grow_year(&Quiet).unwrap());
     assert!(growth.shed > 100, "{}", growth.shed);
+    let Shadow { grid, pyramid } = growth.light.shadow().clone();
     let mut anew = LightGrid::default();
     for node in (0..growth.nodes.len()).rev().filter(|&node| !growth.nodes.is_foot(node)) {
-        anew.add(growth.nodes.voxel(node), &growth.pyramid, &Quiet).unwrap();
+        anew.add(growth.nodes.voxel(node), &pyramid, &Quiet).unwrap();
     }
     let mut shaded = 0;
     for x in -60..60 {
         for y in 0..120 {
             for z in -60..60 {
-                assert_eq!(growth.grid.shade([x, y, z]), anew.shade([x, y, z]), "{x} {y} {z}");
+                assert_eq!(grid.shade([x, y, z]), anew.shade([x, y, z]), "{x} {y} {z}");
                 shaded += u32::from(anew.shade([x, y, z]) > 0);
             }
         }
@@ -71,10 +73,13 @@ fn light_after_growth_shedding_and_bending_is_that_of_the_living_nodes_in_every_
 
 #[test]
 fn any_number_of_threads_grows_the_same_tree() {
-    let settings = SelfOrganizing { years: 24, ..SelfOrganizing::default() };
-    let [one, eight] = [1, 8].map(|threads| on_threads(threads, || grown(&settings, 3)));
-    assert!(one.branching.positions.len() > 4096, "chunks of nodes: {}", one.branching.positions.len());
-    assert_eq!(hash(one), hash(eight));
+    let shadow = SelfOrganizing { years: 24, ..SelfOrganizing::default() };
+    let sky = SelfOrganizing { light: LightModel::Sky, shade: 0.2, sag: 0.3, ..shadow.clone() };
+    for settings in [shadow, sky] {
+        let [one, eight] = [1, 8].map(|threads| on_threads(threads, || grown(&settings, 3)));
+        assert!(one.branching.positions.len() > 4096, "chunks of nodes: {}", one.branching.positions.len());
+        assert_eq!(hash(one), hash(eight));
+    }
 }
 
 #[test]
@@ -85,7 +90,7 @@ fn what_is_shared_is_vigor_times_the_light_of_all_buds() {
         for year in 1..15 {
             growth.grow_year(&Quiet).unwrap();
             let nodes = &growth.nodes;
-            let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+            let sums = Sums::new(nodes, &growth.light);
             let shares = Shares::new(nodes, &sums, &settings, year);
             let bud = |node: usize| {
                 let apex = if nodes.is(node, APEX) { shares.onward[node] } else { 0.0 };
@@ -110,7 +115,7 @@ fn a_fork_loses_nothing() {
     let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
     (0..12).for_each(|_| growth.grow_year(&Quiet).unwrap());
     let nodes = &growth.nodes;
-    let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+    let sums = Sums::new(nodes, &growth.light);
     let shares = Shares::new(nodes, &sums, &settings, 12);
     let mut forks = 0;
     for node in (0..nodes.len()).filter(|&node| nodes.parents[node] != NO_PARENT && nodes.is(node, LATERAL)) {
@@ -128,7 +133,7 @@ fn without_preference_each_bud_gets_what_its_light_is_worth() {
     let mut growth = seedling(&even, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
     (0..14).for_each(|_| growth.grow_year(&Quiet).unwrap());
     let nodes = &growth.nodes;
-    let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+    let sums = Sums::new(nodes, &growth.light);
     let shares = Shares::new(nodes, &sums, &even, 15);
     for node in 0..nodes.len() {
         let worth = even.vigor * f64::from(sums.light[node]) / f64::from(FULL_LIGHT);
@@ -293,17 +298,23 @@ fn what_shades_never_brightens_and_trees_keep_out_of_the_dark() {
     let settings = measured();
     let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
     (0..12).for_each(|_| growth.grow_year(&Quiet).unwrap());
-    let before = Sums::new(&growth.nodes, &growth.grid, &growth.pyramid);
-    growth.grid.add([3, 30, 2], &growth.pyramid, &Quiet).unwrap();
-    growth.grid.add([-2, 14, 0], &growth.pyramid, &Quiet).unwrap();
-    let after = Sums::new(&growth.nodes, &growth.grid, &growth.pyramid);
+    let before = Sums::new(&growth.nodes, &growth.light);
+    let Shadow { grid, pyramid } = growth.light.shadow();
+    grid.add([3, 30, 2], pyramid, &Quiet).unwrap();
+    grid.add([-2, 14, 0], pyramid, &Quiet).unwrap();
+    let after = Sums::new(&growth.nodes, &growth.light);
     assert!(before.light.iter().zip(&after.light).all(|(before, after)| after <= before));
     assert!(after.total(0) < before.total(0));
 
     let (mut dark, mut lit) = (0, 0);
     for seed in 0..4 {
         let mut growth = Growth::new(&settings);
-        growth.grid.add_box([-120, 0, -120], [-1, 240, 120], FULL_LIGHT * 6 / 10, &Quiet).unwrap();
+        growth
+            .light
+            .shadow()
+            .grid
+            .add_box([-120, 0, -120], [-1, 240, 120], FULL_LIGHT * 6 / 10, &Quiet)
+            .unwrap();
         growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::X, Key::new(seed));
         (0..20).for_each(|_| growth.grow_year(&Quiet).unwrap());
         let in_dark = growth.nodes.places.iter().filter(|place| place.x < 0.0).count();
@@ -312,6 +323,42 @@ fn what_shades_never_brightens_and_trees_keep_out_of_the_dark() {
     }
     println!("dark {dark} lit {lit}");
     assert!(3 * dark <= lit, "{dark} {lit}");
+}
+
+#[test]
+fn under_the_sky_a_crown_has_no_storeys_and_a_bole_no_branches() {
+    // Nodes in layers of an internode from a quarter of the height to three quarters: the thinnest ÷ the mean.
+    let evenness = |settings: &SelfOrganizing| {
+        let tree = grown(settings, 2);
+        let height = height_m(&tree);
+        let mut layers = [0.0_f64; 24];
+        for place in &tree.branching.positions {
+            let at = (f64::from(place.y) / height - 0.25) * 48.0;
+            if (0.0..24.0).contains(&at) {
+                layers[at as usize] += 1.0;
+            }
+        }
+        layers.iter().copied().fold(f64::INFINITY, f64::min) * 24.0 / layers.iter().sum::<f64>()
+    };
+    let shadow = SelfOrganizing {
+        years: 36,
+        shade: 0.1,
+        shade_falloff: 1.6,
+        shade_depth: 10,
+        leader: vec![0.55, 0.52],
+        ..SelfOrganizing::default()
+    };
+    let sky = SelfOrganizing { light: LightModel::Sky, shade: 0.3, ..shadow.clone() };
+    let [storeys, dome] = [evenness(&shadow), evenness(&sky)];
+    println!("shadow {storeys:.2} sky {dome:.2}");
+    assert!(dome > 1.3 * storeys, "{dome} {storeys}");
+
+    let browsed = SelfOrganizing { bole_m: 1.5, years: 20, ..sky };
+    let tree = grown(&browsed, 2).branching;
+    let edges = tree.edges.unwrap();
+    let low = (0..edges.len()).filter(|&node| edges[node] == Edge::Branches && tree.positions[node].y < 1.5);
+    assert_eq!(low.count(), 0);
+    assert!(edges.iter().filter(|&&edge| edge == Edge::Branches).count() > 100);
 }
 
 #[test]

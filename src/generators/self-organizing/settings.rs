@@ -16,6 +16,16 @@ words! {
 }
 
 words! {
+    /// How light is worked out.
+    LightModel {
+        /// Each node shades a pyramid of voxels below it: Pałubicki et al. 2009, section 4.2.1.
+        Shadow = "shadow",
+        /// Light from all of the sky, through the leaves in its way: Monsi & Saeki 1953.
+        Sky = "sky"
+    }
+}
+
+words! {
     /// Where lateral buds are.
     Phyllotaxis {
         /// One at each node, turned by the divergence angle from the one before.
@@ -58,8 +68,13 @@ pub struct SelfOrganizing {
     pub priority_least: f64,
     /// The share of an axis' laterals over which weights fall.
     pub priority_share: f64,
-    /// Shade of a node where it is ÷ full light.
+    /// How light is worked out.
+    pub light: LightModel,
+    /// Shade of a node where it is ÷ full light; from the sky, the optical depth of its leaves over a square of an
+    /// internode.
     pub shade: f64,
+    /// Years for which a node has leaves, which take the light of the sky.
+    pub leaf_years: u32,
     /// The factor by which shade gets weaker from layer to layer.
     pub shade_falloff: f64,
     /// Layers of shade below a node, internodes.
@@ -98,6 +113,8 @@ pub struct SelfOrganizing {
     pub shed_grace: u32,
     /// Years in a row for which a branch must be too dark.
     pub shed_patience: u32,
+    /// Height below which no branch grows, metres: browsed or pruned; stems do.
+    pub bole_m: f64,
     /// Diameter of the last internodes, metres.
     pub twig_diameter_m: f64,
     /// n of the pipe model.
@@ -140,7 +157,9 @@ impl Default for SelfOrganizing {
             mature_to: 14,
             priority_least: 0.006,
             priority_share: 0.5,
+            light: LightModel::Shadow,
             shade: 0.05,
+            leaf_years: 3,
             shade_falloff: 1.3,
             shade_depth: 6,
             light_from: [0.0, 1.0, 0.0],
@@ -160,6 +179,7 @@ impl Default for SelfOrganizing {
             shed: 0.2,
             shed_grace: 3,
             shed_patience: 2,
+            bole_m: 0.0,
             twig_diameter_m: 0.002,
             pipe_exponent: 2.5,
             sag: 0.0,

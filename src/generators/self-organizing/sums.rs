@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::light::{FULL_LIGHT, LightGrid, Pyramid};
+use crate::light::Light;
 use crate::tree::{APEX, LATERAL, Nodes};
 
 /// Nodes whose light a thread reads at once.
@@ -24,20 +24,17 @@ pub(crate) struct Sums {
 }
 
 impl Sums {
-    /// Light that a bud in the node's voxel gets: `max(1 − shade + own shade, 0)`. Nodes without buds are not read.
+    /// Light that a bud in the node's voxel gets. Nodes without buds are not read.
     ///
     /// Integers all along, so that any number of threads gives the same.
-    pub fn new(nodes: &Nodes, grid: &LightGrid, pyramid: &Pyramid) -> Self {
+    pub fn new(nodes: &Nodes, sky: &Light) -> Self {
         let mut light = vec![0_u32; nodes.len()];
         light.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, part)| {
             for (node, light) in (chunk * CHUNK..).zip(part) {
                 if !nodes.is(node, APEX) && nodes.buds[node] == 0 {
                     continue;
                 }
-                // A foot has no leaves, and casts no shade.
-                let cast = if nodes.is_foot(node) { 0 } else { pyramid.at_node() };
-                let shade = grid.shade(nodes.voxel(node));
-                *light = (FULL_LIGHT + cast).saturating_sub(shade).min(FULL_LIGHT);
+                *light = sky.at(nodes, node);
             }
         });
         let count = nodes.len();

@@ -1,0 +1,376 @@
+//! Light from all of the sky, through the leaves that are in its way.
+//!
+//! Beer and Lambert's law on a grid: of the light from a direction, `exp(−depth)` passes leaves of that optical depth
+//! (Monsi & Saeki 1953). The sky has 25 directions in four rings; paths go from voxel to voxel, so that what lies on
+//! them is a whole number of leafy nodes, the same in any order. Shade has no end, as the pyramids of
+//! [`light`](crate::light) have: a crown is lit from outside, and no storeys form in it.
+
+use glam::DVec3;
+use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::monitor::Monitor;
+
+use crate::SelfOrganizing;
+use crate::light::{FULL_LIGHT, Voxel};
+use crate::tree::Nodes;
+
+/// The edge of a voxel, internodes.
+const EDGE: i32 = 2;
+/// The deepest table of what passes, half nodes.
+const MOST_HALVES: f64 = 65_536.0;
+
+const DOING: &str = "keeping the light of a growing tree";
+const ADVICE: &str = "lower years or vigor, or raise internode";
+
+/// A direction of the sky, as the steps of a path from a voxel to the level above.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Direction {
+    /// To the voxel of the level above that the path comes from, along x and z.
+    to: [i32; 2],
+    /// Whether it goes sideways from every other level alone.
+    is_steep: bool,
+    /// The voxel of its own level that a flat path passes, halfway.
+    between: Option<[i32; 2]>,
+    /// To the sky, of length 1.
+    towards: DVec3,
+    /// Its part of all light, of [`FULL_LIGHT`].
+    weight: u32,
+}
+
+/// The sky's directions, of which those near `light_from`'s side are brighter.
+fn directions(light_from: [f64; 3]) -> Vec<Direction> {
+    /// Sideways for each level up, and the highest and lowest angle from the zenith of the ring, degrees.
+    const RINGS: [(f64, [f64; 2]); 4] =
+        [(0.0, [0.0, 13.0]), (0.5, [13.0, 36.0]), (1.0, [36.0, 56.0]), (2.0, [56.0, 80.0])];
+    let [x, y, z] = light_from;
+    let level = libm::hypot(x, z);
+    // 1 for light that is tilted by 45° or more.
+    let tilt = if level > 0.0 { (level / y.max(level)) / level } else { 0.0 };
+    let mut found = Vec::new();
+    for (slope, [high, low]) in RINGS {
+        let [high, low] = [high, low].map(f64::to_radians);
+        let angle = 0.5 * (high + low);
+        // Moon & Spencer 1942: an overcast sky is three times as bright above as at the horizon.
+        let brightness = (1.0 + 2.0 * libm::cos(angle)) / 3.0;
+        let light = (libm::cos(high) - libm::cos(low)) * brightness;
+        let around: &[[i32; 2]] = match slope {
+            0.0 => &[[0, 0]],
+            _ => &[[1, 0], [1, 1], [0, 1], [-1, 1], [-1, 0], [-1, -1], [0, -1], [1, -1]],
+        };
+        for &[dx, dz] in around {
+            let towards = DVec3::new(f64::from(dx) * slope, 1.0, f64::from(dz) * slope).normalize();
+            let side = (towards.x * x + towards.z * z) * tilt;
+            let part = light / around.len() as f64 * (1.0 + 2.0 * side).max(0.0);
+            let steps = slope.max(1.0) as i32;
+            let to = [dx * steps, dz * steps];
+            let between = (slope > 1.0).then_some([dx * steps / 2, dz * steps / 2]);
+            found.push((Direction { to, is_steep: slope == 0.5, between, towards, weight: 0 }, part));
+        }
+    }
+    let all: f64 = found.iter().map(|(_, part)| part).sum();
+    let weighed = |(direction, part): (Direction, f64)| {
+        let weight = libm::round(part / all * f64::from(FULL_LIGHT)) as u32;
+        Direction { weight, ..direction }
+    };
+    found.into_iter().map(weighed).filter(|direction| direction.weight > 0).collect()
+}
+
+/// The sky as a growing tree sees it.
+#[derive(Clone, Debug)]
+pub(crate) struct Sky {
+    directions: Vec<Direction>,
+    /// For each direction, what passes so many half nodes, of [`FULL_LIGHT`]; past its end, none does.
+    passing: Vec<Vec<u32>>,
+    leaf_years: u32,
+    /// The least leafy voxel, and how many there are along x, y and z.
+    low: Voxel,
+    size: [usize; 3],
+    /// Leafy nodes in each voxel; level by level, z runs fastest.
+    leafy: Vec<u32>,
+    /// What each voxel gets, and from where.
+    lit: Vec<Lit>,
+}
+
+/// The light of a voxel.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Lit {
+    /// Of [`FULL_LIGHT`].
+    light: u32,
+    /// The sum of directions, each as bright as it is.
+    from: [f32; 3],
+}
+
+/// The voxel of a node.
+fn voxel(nodes: &Nodes, node: usize) -> Voxel {
+    // A foot, half an internode off the corner, is in the middle of its voxel.
+    let [x, y, z] = (nodes.places[node].as_dvec3() + DVec3::new(0.5, 0.0, 0.5)).to_array();
+    [x, y, z].map(|along| libm::floor(along / f64::from(EDGE)) as i32)
+}
+
+impl Sky {
+    pub fn new(settings: &SelfOrganizing) -> Self {
+        let directions = directions(settings.light_from);
+        let passing = |direction: &Direction| {
+            // Of half a node, where the path crosses its voxel.
+            let depth = settings.shade / direction.towards.y / f64::from(2 * EDGE * EDGE);
+            let passing =
+                |halves: f64| libm::round(f64::from(FULL_LIGHT) * libm::exp(-depth * halves)) as u32;
+            let halves = (0..MOST_HALVES as u32).map(f64::from);
+            halves.map(passing).take_while(|&light| light > 0).collect()
+        };
+        let passing = directions.iter().map(passing).collect();
+        let (low, size) = ([0; 3], [0; 3]);
+        let leaf_years = settings.leaf_years;
+        Self { directions, passing, leaf_years, low, size, leafy: Vec::new(), lit: Vec::new() }
+    }
+
+    /// Works the light of all voxels out, as it is at the beginning of a year.
+    ///
+    /// # Errors
+    /// [`OverMemory`].
+    pub fn shine(&mut self, nodes: &Nodes, year: u32, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let is_leafy = |&node: &usize| !nodes.is_foot(node) && year - nodes.year(node) <= self.leaf_years;
+        let voxels: Vec<Voxel> = (0..nodes.len()).filter(is_leafy).map(|node| voxel(nodes, node)).collect();
+        let Some(&first) = voxels.first() else {
+            self.size = [0; 3];
+            return Ok(());
+        };
+        let (mut low, mut high) = (first, first);
+        for voxel in &voxels {
+            for axis in 0..3 {
+                low[axis] = low[axis].min(voxel[axis]);
+                high[axis] = high[axis].max(voxel[axis]);
+            }
+        }
+        // Light falls down to the ground, where buds may be that have no leaf beside them.
+        low[1] = 0;
+        let size = [0, 1, 2].map(|axis| (high[axis] - low[axis] + 1) as usize);
+        let count = size.iter().fold(1_usize, |count, &edge| count.saturating_mul(edge));
+        let paths = size[0].saturating_mul(size[2]).saturating_mul(2 * self.directions.len());
+        let bytes = bytes_of::<Lit>(count).saturating_add(bytes_of::<u32>(count.saturating_add(paths)));
+        monitor.admit(DOING, bytes, ADVICE)?;
+        (self.low, self.size) = (low, size);
+        self.leafy.clear();
+        self.leafy.resize(count, 0);
+        self.lit.clear();
+        self.lit.resize(count, Lit::default());
+        for voxel in voxels {
+            if let Some(slot) = self.slot(voxel) {
+                self.leafy[slot] += 1;
+            }
+        }
+        self.shine_down();
+        Ok(())
+    }
+
+    /// From the highest level down: a path of a direction goes on with what it had in the level above.
+    fn shine_down(&mut self) {
+        let [wide, tall, deep] = self.size;
+        let level = wide * deep;
+        let mut above = vec![vec![0_u32; level]; self.directions.len()];
+        let mut here = vec![0_u32; level];
+        for y in (0..tall).rev() {
+            let (leafy, lit) = (&self.leafy, &mut self.lit[y * level..][..level]);
+            let is_even = (self.low[1] + y as i32) % 2 == 0;
+            for ((direction, passing), above) in self.directions.iter().zip(&self.passing).zip(&mut above) {
+                let to = if direction.is_steep && is_even { [0, 0] } else { direction.to };
+                let towards = direction.towards.as_vec3() * (direction.weight as f32 / FULL_LIGHT as f32);
+                for x in 0..wide {
+                    for z in 0..deep {
+                        let at = |[dx, dz]: [i32; 2]| {
+                            let x = usize::try_from(x as i32 + dx).ok().filter(|&x| x < wide)?;
+                            let z = usize::try_from(z as i32 + dz).ok().filter(|&z| z < deep)?;
+                            Some(x * deep + z)
+                        };
+                        let nodes =
+                            |y: usize, slot: Option<usize>| slot.map_or(0, |slot| leafy[y * level + slot]);
+                        let upper = at(to).filter(|_| y + 1 < tall);
+                        let halves = match direction.between {
+                            None => 2 * nodes(y + 1, upper),
+                            Some(between) => nodes(y, at(between)) + nodes(y + 1, upper),
+                        };
+                        let halves = halves + upper.map_or(0, |slot| above[slot]);
+                        let slot = x * deep + z;
+                        here[slot] = halves;
+                        // What is beside a node shades it as from halfway through its voxel.
+                        let beside = leafy[y * level + slot].saturating_sub(1);
+                        let passes = passing.get((halves + beside) as usize).copied().unwrap_or(0);
+                        let lit = &mut lit[slot];
+                        lit.light += ((u64::from(passes) * u64::from(direction.weight)) >> 16) as u32;
+                        let bright = passes as f32 / FULL_LIGHT as f32;
+                        lit.from[0] += towards.x * bright;
+                        lit.from[1] += towards.y * bright;
+                        lit.from[2] += towards.z * bright;
+                    }
+                }
+                std::mem::swap(above, &mut here);
+            }
+        }
+    }
+
+    /// The light of a bud at a node, of [`FULL_LIGHT`].
+    pub fn light(&self, nodes: &Nodes, node: usize) -> u32 {
+        self.slot(voxel(nodes, node)).map_or(FULL_LIGHT, |slot| self.lit[slot].light.min(FULL_LIGHT))
+    }
+
+    /// The mean direction that light comes from, of length 1; none in the dark.
+    pub fn brighter(&self, nodes: &Nodes, node: usize) -> DVec3 {
+        let slot = self.slot(voxel(nodes, node));
+        slot.map_or(DVec3::Y, |slot| DVec3::from(self.lit[slot].from.map(f64::from)).normalize_or_zero())
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<Lit>(self.lit.capacity()) + bytes_of::<u32>(self.leafy.capacity())
+    }
+
+    fn slot(&self, voxel: Voxel) -> Option<usize> {
+        let at = |axis: usize| {
+            usize::try_from(voxel[axis] - self.low[axis]).ok().filter(|&at| at < self.size[axis])
+        };
+        let (x, y, z) = (at(0)?, at(1)?, at(2)?);
+        Some((y * self.size[0] + x) * self.size[2] + z)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::LightModel;
+    use crate::tree::{Node, PARTS};
+    use linden_base::monitor::{Cancelled, Phase, Quiet};
+    use linden_base::random::Key;
+    use linden_skeleton::NO_PARENT;
+
+    fn settings() -> SelfOrganizing {
+        SelfOrganizing { light: LightModel::Sky, shade: 0.6, leaf_years: 2, ..SelfOrganizing::default() }
+    }
+
+    /// A foot, and nodes at places, all of a year.
+    fn nodes(places: impl IntoIterator<Item = DVec3>, year: u32) -> Nodes {
+        let mut nodes = Nodes::default();
+        let node = |parent, place, birth| Node {
+            parent,
+            place,
+            direction: DVec3::Y,
+            side: DVec3::X,
+            key: Key::new(1),
+            birth,
+            order: 0,
+            flags: 0,
+            buds: 1,
+        };
+        nodes.push(&node(NO_PARENT, DVec3::new(0.5, 0.0, 0.5), 0));
+        places.into_iter().for_each(|place| nodes.push(&node(0, place, year * PARTS)));
+        nodes
+    }
+
+    fn shone(nodes: &Nodes, settings: &SelfOrganizing) -> Sky {
+        let mut sky = Sky::new(settings);
+        sky.shine(nodes, 2, &Quiet).unwrap();
+        sky
+    }
+
+    /// The law itself: each direction's path is walked from the voxel up to the top, counting nodes on it.
+    fn by_definition(sky: &Sky, settings: &SelfOrganizing, leaves: &[Voxel], from: Voxel) -> f64 {
+        let leaves_in = |at: Voxel| leaves.iter().filter(|&&leaf| leaf == at).count() as f64;
+        let top = leaves.iter().map(|leaf| leaf[1]).max().unwrap();
+        let path = |direction: &Direction| {
+            let slope = libm::hypot(direction.towards.x, direction.towards.z) / direction.towards.y;
+            let level_m = libm::sqrt(1.0 + slope * slope);
+            let mut leafy = 0.5 * (leaves_in(from) - 1.0).max(0.0);
+            let [mut x, mut y, mut z] = from;
+            while y <= top {
+                let [dx, dz] = direction.to;
+                if let Some([mx, mz]) = direction.between {
+                    leafy += 0.5 * (leaves_in([x + mx, y, z + mz]) + leaves_in([x + dx, y + 1, z + dz]));
+                }
+                if !(direction.is_steep && y % 2 == 0) {
+                    (x, z) = (x + dx, z + dz);
+                }
+                y += 1;
+                if direction.between.is_none() {
+                    leafy += leaves_in([x, y, z]);
+                }
+            }
+            f64::from(direction.weight) * libm::exp(-settings.shade * leafy * level_m / 4.0)
+        };
+        sky.directions.iter().map(path).sum()
+    }
+
+    #[test]
+    fn light_is_what_passes_the_leaves_on_all_paths_in_every_voxel() {
+        for light_from in [[0.0, 1.0, 0.0], [0.7, 1.0, -0.2]] {
+            let settings = SelfOrganizing { light_from, ..settings() };
+            let key = Key::new(8);
+            let places = (0..400).map(|i| {
+                let at = |axis: u64, high| key.child(i).child(axis).between(0.0, high);
+                DVec3::new(at(0, 16.0), at(1, 20.0), at(2, 12.0))
+            });
+            let nodes = nodes(places, 1);
+            let sky = shone(&nodes, &settings);
+            let leaves: Vec<Voxel> = (1..nodes.len()).map(|node| voxel(&nodes, node)).collect();
+            let mut least = FULL_LIGHT;
+            for node in 1..nodes.len() {
+                let light = sky.light(&nodes, node);
+                let expected = by_definition(&sky, &settings, &leaves, voxel(&nodes, node));
+                // Each direction is rounded down.
+                assert!((f64::from(light) - expected).abs() < 40.0, "{node}: {light} {expected}");
+                least = least.min(light);
+            }
+            assert!(least < FULL_LIGHT * 6 / 10, "{least}");
+        }
+    }
+
+    #[test]
+    fn a_lone_bud_has_all_light_and_below_a_roof_it_stays_dark_at_any_depth() {
+        let lone = nodes([DVec3::new(0.5, 7.0, 0.5)], 1);
+        let sky = shone(&lone, &settings());
+        assert!(FULL_LIGHT - sky.light(&lone, 1) < 40, "{}", sky.light(&lone, 1));
+        assert!(sky.brighter(&lone, 1).distance(DVec3::Y) < 1e-6);
+
+        let wide = (-150..150).flat_map(|x| (-150..150).map(move |z| [f64::from(x), f64::from(z)]));
+        let below = [28.0, 20.0, 10.0].map(|y| DVec3::new(0.5, y, 0.5));
+        let roof = nodes(below.into_iter().chain(wide.map(|[x, z]| DVec3::new(x, 30.0, z))), 1);
+        let sky = shone(&roof, &SelfOrganizing { shade: 0.8, ..settings() });
+        let [near, far, farther] = [1, 2, 3].map(|node| sky.light(&roof, node));
+        assert!(near < FULL_LIGHT / 2, "{near}");
+        assert!(far.abs_diff(near) < FULL_LIGHT / 20 && farther.abs_diff(near) < FULL_LIGHT / 10);
+    }
+
+    #[test]
+    fn leaves_fall_and_those_on_one_side_leave_the_other_brighter() {
+        let wall = (0..20).flat_map(|y| (-20..20).map(move |z| DVec3::new(4.5, f64::from(y), f64::from(z))));
+        let places: Vec<DVec3> = std::iter::once(DVec3::new(0.5, 2.0, 0.5)).chain(wall).collect();
+        let young = nodes(places.iter().copied(), 1);
+        let sky = shone(&young, &settings());
+        assert!(sky.light(&young, 1) < FULL_LIGHT * 9 / 10);
+        assert!(sky.brighter(&young, 1).x < -0.02, "{}", sky.brighter(&young, 1));
+        let mut bare = Sky::new(&settings());
+        bare.shine(&young, 4, &Quiet).unwrap();
+        assert_eq!(bare.light(&young, 1), FULL_LIGHT);
+
+        let lone = nodes([DVec3::new(0.5, 7.0, 0.5)], 1);
+        let tilted = shone(&lone, &SelfOrganizing { light_from: [1.0, 1.0, 0.0], ..settings() });
+        assert!(tilted.brighter(&lone, 1).x > 0.3, "{}", tilted.brighter(&lone, 1));
+    }
+
+    #[test]
+    fn without_memory_it_says_so() {
+        struct Small;
+        impl Monitor for Small {
+            fn is_cancelled(&self) -> bool {
+                false
+            }
+            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+            fn check(&self) -> Result<(), Cancelled> {
+                Ok(())
+            }
+            fn memory_limit(&self) -> u64 {
+                100_000
+            }
+        }
+        let far = nodes([DVec3::new(0.5, 90.0, 0.5), DVec3::new(200.0, 9.0, 200.0)], 1);
+        let refused = Sky::new(&settings()).shine(&far, 2, &Small).unwrap_err();
+        assert!(refused.to_string().contains("raise internode"), "{refused}");
+    }
+}
