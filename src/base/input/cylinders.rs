@@ -267,7 +267,7 @@ impl Header {
             radius,
             id,
             parent,
-            branch: find(&["branchid", "branch_id", "axis_id", "branch"]),
+            branch: find(&["branchid", "axis_id", "branch_id", "branch"]),
             tree: find(&["treeid", "tree_id", "tree"]),
             birth: find(&["birth"]),
             nodes: pair(["parent_node", "node"]),
