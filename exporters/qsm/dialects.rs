@@ -264,7 +264,8 @@ impl Sheet {
             });
         }
         let mut order: Vec<u32> = (0..self.cylinders.len() as u32).collect();
-        order.sort_by_key(|&index| feet[index as usize]);
+        // By nodes, of which parents come first, and not by axes, which the file does not say: whoever reads it finds the same order.
+        order.sort_by_key(|&index| (feet[index as usize], self.cylinders[index as usize].node));
         let mut numbers = vec![0_u32; self.cylinders.len()];
         for line in order.chunk_by(|&a, &b| feet[a as usize] == feet[b as usize]) {
             let foot = feet[line[0] as usize] as usize;
