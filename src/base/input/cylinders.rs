@@ -153,7 +153,7 @@ pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTab
     }
     for group in groups {
         monitor.check()?;
-        trees.push(joined(group)?);
+        trees.push(joined(&group)?);
     }
     if trees.is_empty() {
         return Err(whole("it has a header, but no cylinders; it may be cut off"));
@@ -348,7 +348,7 @@ impl Header {
         let attributes = self.start[0];
         let width = self.count - attributes;
         let count = fields.len().saturating_sub(attributes);
-        if count == 0 || count % width != 0 {
+        if count == 0 || !count.is_multiple_of(width) {
             let expected = format!("{attributes} columns of the tree, then {width} for each segment");
             return Err(wrong(line, expected, &format!("{} columns", fields.len())));
         }
@@ -400,7 +400,7 @@ impl Header {
                 return Err(wrong(line, expected, "more"));
             }
         }
-        if found.is_empty() { Ok(None) } else { joined(found).map(Some) }
+        if found.is_empty() { Ok(None) } else { joined(&found).map(Some) }
     }
 }
 
@@ -458,8 +458,13 @@ fn fields(row: &str, delimiter: Option<char>) -> impl Iterator<Item = &str> {
         .filter(move |part| delimiter.is_some() || !part.is_empty())
 }
 
+/// No place in a list yet.
+const UNSEEN: u32 = u32::MAX;
+/// The same, on the way down to what it stands on.
+const WAITING: u32 = u32::MAX - 1;
+
 /// The rows of one tree with parents by their places, before their children.
-fn joined(found: Vec<Found>) -> Result<Vec<CylinderRow>, InputError> {
+fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
     let mut by_id: BTreeMap<i64, usize> = BTreeMap::new();
     for (index, row) in found.iter().enumerate() {
         if let Some(first) = by_id.insert(row.id, index) {
@@ -468,12 +473,11 @@ fn joined(found: Vec<Found>) -> Result<Vec<CylinderRow>, InputError> {
         }
     }
     let mut parents: Vec<Option<usize>> = Vec::with_capacity(found.len());
-    for row in &found {
+    for row in found {
         parents.push(match row.parent {
             // Where ids count from 0, none is below.
             Some(parent) if parent > 0 || parent == 0 && by_id.contains_key(&0) => {
                 let place = by_id.get(&parent).copied();
-                // Segment 0 of raycloudtools is a foot.
                 Some(place.ok_or_else(|| {
                     wrong(row.line, "the id of a cylinder as parent".to_owned(), &parent.to_string())
                 })?)
@@ -481,8 +485,6 @@ fn joined(found: Vec<Found>) -> Result<Vec<CylinderRow>, InputError> {
             _ => None,
         });
     }
-    const UNSEEN: u32 = u32::MAX;
-    const WAITING: u32 = u32::MAX - 1;
     let mut places = vec![UNSEEN; found.len()];
     let mut rows: Vec<CylinderRow> = Vec::with_capacity(found.len());
     let mut way = Vec::new();

@@ -235,6 +235,7 @@ fn as_written(from: Vec3, place: Vec3, axis: DVec3, length_m: f64) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use Edge::{Branches, Succeeds};
 
     fn row(parent: Option<u32>, start: [f64; 3], end: [f64; 3], branch: i64) -> CylinderRow {
         CylinderRow {
@@ -266,7 +267,6 @@ mod tests {
         branching.validate().unwrap();
         assert_eq!(branching.parents, [NO_PARENT, 0, 1, 2, 1]);
         assert_eq!(branching.positions[3], Vec3::new(1.1, 1.7, 0.0));
-        use Edge::{Branches, Succeeds};
         assert_eq!(branching.edges.unwrap(), [Succeeds, Succeeds, Branches, Succeeds, Succeeds]);
     }
 }
