@@ -104,7 +104,7 @@ impl Text {
         self.len = 0;
     }
 
-    fn written(&self) -> &[u8] {
+    pub(crate) fn written(&self) -> &[u8] {
         &self.buffer[..self.len]
     }
 

@@ -262,6 +262,7 @@ impl<'a> Reader<'a> {
                 return self.replaced(Recipe::new(preset));
             }
             InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
+            InputKind::Cylinders { tapered } => Preset::of_cylinders(&id, &name, tapered),
             InputKind::PlyPoints
             | InputKind::XyzPoints
             | InputKind::LasPoints

@@ -89,6 +89,7 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
             return Ok(Tree::of(Recipe::new(preset)).sparing(vec![path.to_owned()]).noting(notes));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
+        InputKind::Cylinders { tapered } => Preset::of_cylinders(&id, &name, tapered),
         InputKind::PlyPoints
         | InputKind::XyzPoints
         | InputKind::LasPoints

@@ -9,6 +9,7 @@ const BUILTIN: &[&dyn Generator] = &[
     linden_lsystem::GENERATOR,
     linden_colonization::GENERATOR,
     linden_scan::GENERATOR,
+    linden_qsm::GENERATOR,
     linden_weber_penn::GENERATOR,
     linden_self_organizing::GENERATOR,
 ];
@@ -50,7 +51,7 @@ pub fn register(generator: &'static dyn Generator) -> Result<(), RegisterError> 
 ///
 /// ```
 /// let ids: Vec<&str> = linden_pipeline::generators::all().iter().map(|generator| generator.id()).collect();
-/// assert_eq!(ids, ["lsystem", "colonization", "scan", "weber-penn", "self-organizing"]);
+/// assert_eq!(ids, ["lsystem", "colonization", "scan", "qsm", "weber-penn", "self-organizing"]);
 /// ```
 pub fn all() -> &'static [&'static dyn Generator] {
     ALL.get_or_init(|| {

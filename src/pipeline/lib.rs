@@ -38,6 +38,7 @@ pub use linden_growth as growth;
 pub use linden_lsystem as lsystem;
 pub use linden_plant::{Body, Specimen, Wanted};
 pub use linden_plant::{canopy, detail, foliage, scene, season, settings, stage, surface, texture, wind};
+pub use linden_qsm as qsm;
 pub use linden_scan as scan;
 pub use linden_self_organizing as self_organizing;
 pub use linden_skeleton as skeleton;

@@ -9,6 +9,7 @@ mod cache;
 mod calibrate;
 mod clients;
 mod completions;
+mod cylinders;
 mod describe;
 mod docs;
 mod doctor;

@@ -2,7 +2,8 @@
 
 use linden::dress::dress;
 use linden::grow::grow;
-use linden::preset::builtin;
+use linden::preset::{Preset, builtin};
+use linden::recipe::{Input, Recipe};
 use linden::{NO_PARENT, Quiet};
 use linden_tests::fixtures::export;
 use linden_tests::presets::recipe;
@@ -27,6 +28,16 @@ fn watertight_wood_is_one_closed_manifold() {
             let name = format!("{id}-{}_{stems}.{format}", features.len());
             export(&scene, format, &[], &dir.join(name)).unwrap();
         }
+    }
+    // And of a tree that came as cylinders of another program.
+    let table = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/cylinders/treeqsm.txt");
+    let mut preset = Preset::of_cylinders("cylinders", "treeqsm.txt", false);
+    preset.set("junction", "watertight").unwrap();
+    let input = Input::read("treeqsm.txt", &std::fs::read(table).unwrap(), &Quiet).unwrap();
+    let recipe = Recipe::with_files(preset, [("treeqsm.txt", input)].into_iter().collect());
+    let scene = dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap();
+    for format in ["ply", "stl"] {
+        export(&scene, format, &[], &dir.join(format!("cylinders_1.{format}"))).unwrap();
     }
     run("solid.py", &dir);
 }

@@ -87,6 +87,7 @@ fn about(table: &str) -> &'static str {
              reshuffle the rest."
         }
         "colonization" => "[Crowns and growth](crowns.md), and [scans](scans.md).",
+        "qsm" => "Tables of cylinders, [which are trees already](scans.md#trees-that-are-cylinders-already).",
         "scan" => "[From a laser scan](scans.md).",
         "weber-penn" => {
             "[Weber and Penn's trees](weber-penn.md). Lists have a number for each level, the trunk's first."

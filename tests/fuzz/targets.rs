@@ -11,7 +11,7 @@ use linden::input::read_picture;
 use linden::input::{read_e57, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff};
 use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
-use linden::preset::{Colonization, KNOBS, Preset, ScanSettings, Space, builtin_file};
+use linden::preset::{Colonization, KNOBS, Preset, QsmSettings, ScanSettings, Space, builtin_file};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
 use linden::surface::topology;
@@ -293,6 +293,7 @@ fn told_by_content(bytes: &[u8]) -> String {
         Ok(input) => match input.geometry {
             Geometry::Mesh(_) => "mesh",
             Geometry::Points(_) => "points",
+            Geometry::Cylinders(_) => "cylinders",
             Geometry::Picture(_) => "picture",
         }
         .to_owned(),
@@ -364,6 +365,7 @@ fn scan(bytes: &[u8]) -> String {
     let preset = within_limits(match input.geometry {
         Geometry::Points(_) => Preset::of("scan", ScanSettings::of(FILE)),
         Geometry::Mesh(_) => Preset::of("scan", Colonization::of(Space::Envelope { file: FILE.to_owned() })),
+        Geometry::Cylinders(_) => Preset::of("scan", QsmSettings::of(FILE)),
         Geometry::Picture(_) => return "picture".to_owned(),
     });
     planted(&Recipe::with_files(preset, [(FILE, input)].into_iter().collect()))

@@ -228,6 +228,9 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
         InputKind::ObjMesh | InputKind::PlyMesh => {
             return Ok((Preset::of_mesh(id, &name), Ok(())));
         }
+        InputKind::Cylinders { tapered } => {
+            return Ok((Preset::of_cylinders(id, &name, tapered), Ok(())));
+        }
         InputKind::PlyPoints
         | InputKind::XyzPoints
         | InputKind::LasPoints

@@ -7,8 +7,9 @@ use glam::DVec3;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
-    InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture, read_e57, read_las, read_obj,
-    read_pcd, read_picture, read_ply, read_ptx, read_xyz, sniff,
+    CylinderRow, CylinderTable, InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture,
+    read_cylinders, read_e57, read_las, read_obj, read_pcd, read_picture, read_ply, read_ptx, read_xyz,
+    sniff,
 };
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
@@ -98,6 +99,8 @@ pub enum Geometry {
     Mesh(Arc<TriangleMesh>),
     /// Places.
     Points(Arc<Vec<DVec3>>),
+    /// Trees as cylinders.
+    Cylinders(Arc<CylinderTable>),
     /// Pixels.
     Picture(Arc<UserPicture>),
 }
@@ -110,12 +113,13 @@ impl Input {
                 bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
             }
             Geometry::Points(points) => bytes_of::<DVec3>(points.capacity()),
+            Geometry::Cylinders(table) => bytes_of::<CylinderRow>(table.count()),
             Geometry::Picture(picture) => picture.picture.rgba().len() as u64,
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX) or a picture (PNG, JPEG, WebP,
-    /// TGA). The file's name decides only where its content does not: between two kinds, and that it is TGA.
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX), a table of cylinders or a
+    /// picture (PNG, JPEG, WebP, TGA). The file's name decides only where its content does not: between two kinds, and that it is TGA.
     ///
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.
@@ -141,8 +145,12 @@ impl Input {
             InputKind::E57Points => (Up::Z, Geometry::Points(Arc::new(read_e57(bytes, monitor)?))),
             InputKind::PcdPoints => (Up::Z, Geometry::Points(Arc::new(read_pcd(bytes, monitor)?))),
             InputKind::PtxPoints => (Up::Z, Geometry::Points(Arc::new(read_ptx(bytes, monitor)?))),
+            InputKind::Cylinders { .. } => {
+                let table = read_cylinders(bytes, monitor)?;
+                (table.dialect.up(), Geometry::Cylinders(Arc::new(table)))
+            }
             InputKind::Preset | InputKind::Grammar | InputKind::Recipe | InputKind::TreeParameters => {
-                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ, LAS, E57, PCD, PTX) or a picture";
+                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ, LAS, E57, PCD, PTX), cylinders (CSV) or a picture";
                 return Err(InputError::Unknown { looks });
             }
         };
@@ -159,17 +167,19 @@ impl Input {
         match &self.geometry {
             Geometry::Mesh(mesh) => format!("{} triangles", mesh.triangles.len()),
             Geometry::Points(points) => format!("{} points", points.len()),
+            Geometry::Cylinders(table) => format!("{} cylinders", table.count()),
             Geometry::Picture(picture) => {
                 format!("{}×{} pixels", picture.picture.width(), picture.picture.height())
             }
         }
     }
 
-    /// `mesh`, `points` or `picture`.
+    /// `mesh`, `points`, `cylinders` or `picture`.
     pub const fn kind(&self) -> &'static str {
         match self.geometry {
             Geometry::Mesh(_) => "mesh",
             Geometry::Points(_) => "points",
+            Geometry::Cylinders(_) => "cylinders",
             Geometry::Picture(_) => "picture",
         }
     }

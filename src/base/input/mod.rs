@@ -1,7 +1,7 @@
 //! What users bring: crown meshes, scanned points and pictures, as bytes.
 //!
 //! [`sniff`] tells by the content what a file is; [`read_obj`] and [`read_ply`] read meshes, [`read_ply`], [`read_xyz`],
-//! [`read_las`], [`read_e57`], [`read_pcd`] and [`read_ptx`] points, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
+//! [`read_las`], [`read_e57`], [`read_pcd`] and [`read_ptx`] points, [`read_cylinders`] tables of cylinders, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
 //! header or an index claims is believed before the bytes for it have been seen, so memory stays within a
 //! small multiple of the file (of a picture: of its pixels, which are asked for), and any sequence of bytes
 //! gives a value or an [`InputError`].
@@ -9,6 +9,7 @@
 //! Positions are `f64` as the file has them; [`Up::to_y_up`] turns them and [`recenter`] takes them
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
 
+mod cylinders;
 mod e57;
 mod inputs;
 mod las;
@@ -23,6 +24,7 @@ mod xyz;
 
 use glam::DVec3;
 
+pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
 pub use e57::read_e57;
 pub use inputs::{Geometry, Input, Inputs};
 pub use las::read_las;

@@ -1,7 +1,7 @@
 //! Tells what a file is by what it holds; its name only decides between what the content leaves open.
 
 use super::table::Layout;
-use super::{InputError, lines, ply, ptx, text_of, xyz};
+use super::{InputError, cylinders, lines, ply, ptx, text_of, xyz};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +30,11 @@ pub enum InputKind {
     PcdPoints,
     /// PTX: the stands of a scanner as text.
     PtxPoints,
+    /// A table of cylinders: a tree that was measured or grown elsewhere.
+    Cylinders {
+        /// Whether it has a radius for each end.
+        tapered: bool,
+    },
 }
 
 /// Openings of files of points that are told by them alone.
@@ -142,6 +147,10 @@ enum Evidence {
 }
 
 fn evidence(line: &str) -> Evidence {
+    // Before points: their reader takes a table's first numbers for a place.
+    if let Some(tapered) = cylinders::header_tells(line) {
+        return Evidence::For(InputKind::Cylinders { tapered });
+    }
     if xyz::position(line).is_ok() || !line.contains('=') && Layout::of_header(line).is_some() {
         return Evidence::For(InputKind::XyzPoints);
     }
@@ -199,8 +208,8 @@ mod tests {
     #[test]
     fn content_decides() {
         use InputKind::{
-            E57Points, Grammar, LasPoints, ObjMesh, PcdPoints, PlyMesh, PlyPoints, Preset, PtxPoints, Recipe,
-            TreeParameters, XyzPoints,
+            Cylinders, E57Points, Grammar, LasPoints, ObjMesh, PcdPoints, PlyMesh, PlyPoints, Preset,
+            PtxPoints, Recipe, TreeParameters, XyzPoints,
         };
         let ply = "ply\nformat ascii 1.0\nelement vertex 0\nelement face ";
         for (text, expected) in [
@@ -225,6 +234,12 @@ mod tests {
             ("12\na title\n1.0 2.0 3.0\n", XyzPoints),
             ("x,y,z\n1,2,3\n", XyzPoints),
             ("tree;x;y;z\noak;1,5;2;3\n", XyzPoints),
+            (
+                "id,parent,start_x_m,start_y_m,start_z_m,axis_x,axis_y,axis_z,length_m,radius_m\n",
+                Cylinders { tapered: false },
+            ),
+            ("x,y,z,radius,parent_id\n1,2,3,4,-1\n", Cylinders { tapered: false }),
+            ("x,y,z,radius\n1,2,3,4\n", XyzPoints),
             ("LASF\0\0", LasPoints),
             ("ASTM-E57\u{1}\0", E57Points),
             ("# .PCD v0.7\nFIELDS x y z\n", PcdPoints),

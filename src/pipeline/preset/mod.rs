@@ -51,6 +51,7 @@ pub use linden_plant::settings::{
     Arrangement, BarkSettings, Cluster, DetailSettings, Edge, FoliageSettings, Form, KIND_NAME,
     KIND_NAME_HELP, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals, WindSettings,
 };
+pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;

@@ -4,15 +4,15 @@ use linden_base::document::{Datum, Entry, Fault, NamesFiles, Node, Table};
 use linden_base::knob::{Spread, did_you_mean, excerpt, nearest};
 use linden_lsystem::Grammar;
 use linden_plant::settings::{self, BarkSettings, Dressing, LEAF_KNOBS, LeafKind};
-use linden_skeleton::Wood;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
+use linden_skeleton::{WidthSteps, Wood};
 
 use super::edits::{self, EDITS};
 use super::kinds::kind_rows;
 use super::knobs::{KNOBS, PresetKnob, Section};
 use super::tags::{self, TAGS};
-use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
+use super::{Colonization, LSystem, Preset, QsmSettings, ScanSettings, Space, former};
 use crate::generators;
 
 /// Keys before all tables that are no knobs.
@@ -49,6 +49,16 @@ impl Preset {
     /// The preset for points that come without one: a scan.
     pub fn of_points(id: &str, file: &str) -> Self {
         Self::of(id, ScanSettings::of(file))
+    }
+
+    /// The preset for a table of cylinders that comes without one. Where it has a radius for each end (`tapered`) wood goes evenly
+    /// from one to the other, else each segment stays the cylinder that it is.
+    pub fn of_cylinders(id: &str, file: &str, tapered: bool) -> Self {
+        let mut preset = Self::of(id, QsmSettings::of(file));
+        if !tapered {
+            preset.wood.width_steps = WidthSteps::Cylinder;
+        }
+        preset
     }
 
     /// The preset for settings of a generator that come without one, everything else at its default.

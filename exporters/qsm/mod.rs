@@ -17,13 +17,18 @@
 //!
 //! Without the crate csv: its fields are numbers, which need no quotes, and [`records`] formats them on all cores.
 
+mod dialects;
+
 use std::io;
 
 use linden_pipeline::Monitor;
+use linden_pipeline::knob::Value;
 use linden_pipeline::memory::bytes_of;
+use linden_pipeline::scene::Scene;
 use linden_pipeline::skeleton::{Cylinder, Forks, RadiusFit};
 use linden_pipeline::stage::{Place, Stage};
 
+use self::dialects::{Dialect, Sheet, Taken, WORDS};
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, mean_digits, memory, validate};
@@ -39,17 +44,35 @@ static FORMAT: Format = Format {
     media_type: "text/csv",
     self_contained: true,
     help: "one cylinder per segment for measuring: start, axis, length, radius, parent, branch, order",
-    options: &[OptionSpec::switch(
-        "comments",
-        true,
-        "lines with # before the header: recipe and units; off for readers that know no comments",
-    )],
+    options: &[
+        OptionSpec::switch(
+            "comments",
+            true,
+            "lines with # before the header: recipe and units; off for readers that know no comments",
+        ),
+        OptionSpec::choice(
+            "dialect",
+            WORDS,
+            "whose columns: ours (Y up), or those of another program (Z up)",
+        ),
+    ],
     holds: Holds::SKELETON,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, options| {
         let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };
         // Flat trees have fewer digits than round ones.
-        let row = 95.0 + 6.0 * mean_digits(amounts.nodes);
+        let dialect = match options.value("dialect") {
+            Some(Value::Word(word)) => Dialect::of(word),
+            _ => None,
+        };
+        let (fixed, digits) = match dialect {
+            None => (95.0, 6.0),
+            Some(Dialect::SimpleForest) => (200.0, 8.0),
+            Some(Dialect::TreeQsm) => (95.0, 5.0),
+            Some(Dialect::Raycloudtools) => (40.0, 1.0),
+            Some(Dialect::Archi) => (105.0, 7.0),
+        };
+        let row = fixed + digits * mean_digits(amounts.nodes);
         (row * amounts.nodes as f64) as u64 + comments + 150
     }),
 };
@@ -81,10 +104,15 @@ impl Exporter for Qsm {
         let more = trees.iter().map(|(_, scene)| {
             let nodes = scene.skeleton.positions.len();
             // Rows are longer than most records.
-            let text = records::bytes(nodes) * 3 / 2;
+            let text = records::bytes(nodes) * 3 / 2 + Sheet::bytes(nodes);
             Forks::bytes_for(&scene.skeleton) + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text
         });
         memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
+        if let Some(Value::Word(word)) = options.value("dialect")
+            && let Some(dialect) = Dialect::of(word)
+        {
+            return write_dialect(dialect, stage, &trees, options, bundle, monitor);
+        }
         let mut head = String::new();
         if options.is_on("comments") {
             let (name, recipe) = recipe::of_stage(stage);
@@ -118,6 +146,43 @@ impl Exporter for Qsm {
             Ok(())
         })
     }
+}
+
+/// All trees as another program has them.
+fn write_dialect(
+    dialect: Dialect,
+    stage: &Stage<'_>,
+    trees: &[(&Place, &Scene)],
+    options: &Options,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<(), ExportError> {
+    let mut head = String::new();
+    if options.is_on("comments") {
+        let (name, recipe) = recipe::of_stage(stage);
+        head = recipe::comments(name, recipe, "metres, up axis: Z");
+    }
+    head += dialect.header();
+    bundle.write_main(None, monitor, |out| {
+        out.write(head.as_bytes())?;
+        let mut taken = Taken::default();
+        for (tree, (place, scene)) in (1..).zip(trees) {
+            let sheet = Sheet::new(&scene.skeleton, place);
+            if dialect == Dialect::Raycloudtools {
+                let mut text = Text::default();
+                sheet.lines(&scene.skeleton, place, &mut text);
+                out.write(text.written())?;
+                continue;
+            }
+            records::write(out, sheet.len(), |text, range| {
+                for index in range {
+                    sheet.row(dialect, text, index, taken, tree);
+                }
+            })?;
+            taken = sheet.after(taken);
+        }
+        Ok(())
+    })
 }
 
 /// What bears out the radius of the cylinder's upper end; empty fields where it was never measured.

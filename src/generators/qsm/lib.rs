@@ -1,0 +1,237 @@
+//! Real trees: tables of cylinders that other programs, or this one, made of a tree (QSM) become its skeleton.
+//!
+//! Nothing grows: each cylinder is a segment, its parent's end its beginning. Where a cylinder begins away from both ends of
+//! the one below (`TreeQSM` lets branches begin on the bark), a segment of its own radius joins them. Branch numbers say which
+//! cylinder goes on and which is a lateral; without them the thickest goes on.
+//!
+//! Places are in the table's axes; [`linden_base::input::Up`] turns them. Radii are those of the table: with
+//! `width_steps = cylinder` each segment is the table's cylinder, with `taper` radii go from end to end.
+
+mod nodes;
+
+use glam::DVec3;
+use linden_base::document::{Fault, Table};
+use linden_base::field;
+use linden_base::input::{CylinderTable, Geometry, Inputs, Up};
+use linden_base::knob::{Field, Kind, Knob, Value, integer, printable, set, values};
+use linden_base::monitor::Monitor;
+use linden_skeleton::generator::{
+    Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, Settings, TableKey, Task, Traits,
+    Written,
+};
+use linden_skeleton::publication::{Publication, PublicationKind};
+use linden_skeleton::{AxisRule, Wood};
+
+use nodes::Builder;
+
+/// Trees that are given as cylinders.
+pub const GENERATOR: &dyn Generator = &Qsms;
+
+/// Precision models of trees as cylinders.
+const RAUMONEN: Publication = Publication {
+    key: "raumonen2013",
+    kind: PublicationKind::Article,
+    authors: &["Raumonen, Pasi", "Kaasalainen, Mikko", "others"],
+    title: "Fast Automatic Precision Tree Models from Terrestrial Laser Scanner Data",
+    year: 2013,
+    venue: "Remote Sensing 5(2)",
+    pages: "491-520",
+};
+
+/// The key of the file with the cylinders.
+const FILE: &str = "file";
+
+struct Qsms;
+
+/// A table of cylinders, and what is taken of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct QsmSettings {
+    /// The file.
+    pub file: String,
+    /// Which tree of the table, from 1; 0: all.
+    pub table_tree: u32,
+    /// Whether the tree stays where the table has it.
+    pub table_place: bool,
+}
+
+/// Why a table gives no tree.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum QsmError {
+    /// The file is missing or holds something else.
+    #[error("the recipe is made of '{}', which must hold a table of cylinders", printable(.file))]
+    WrongInput {
+        /// As the settings name it.
+        file: String,
+    },
+    /// There are not so many trees.
+    #[error("table_tree = {asked}: '{}' has {trees} trees; take a number up to that, or 0 for all", printable(.file))]
+    NoSuchTree {
+        /// As the settings name it.
+        file: String,
+        /// From 1.
+        asked: u32,
+        /// How many there are.
+        trees: usize,
+    },
+}
+
+impl QsmSettings {
+    /// Its knobs.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "table_tree",
+            integer(0, 1_000_000),
+            "",
+            "which tree of a table of cylinders, from 1 in the order of the file; 0: all of them, each a stem",
+            table_tree
+        ),
+        field!(
+            "table_place",
+            Kind::Switch,
+            "",
+            "trees stay where the table of cylinders has them; off: the first is moved to stand on 0,0,0, the others with it",
+            table_place
+        ),
+    ];
+
+    /// All trees of a file.
+    pub fn of(file: impl Into<String>) -> Self {
+        Self { file: file.into(), table_tree: 0, table_place: false }
+    }
+
+    fn table<'a>(&self, inputs: &'a Inputs) -> Result<(&'a CylinderTable, Up), QsmError> {
+        match inputs.get(&self.file).map(|input| (&input.geometry, input.up)) {
+            Some((Geometry::Cylinders(table), up)) => Ok((table, up)),
+            _ => Err(QsmError::WrongInput { file: self.file.clone() }),
+        }
+    }
+}
+
+impl Generator for Qsms {
+    fn id(&self) -> &'static str {
+        "qsm"
+    }
+
+    fn name(&self) -> &'static str {
+        "Cylinders"
+    }
+
+    fn help(&self) -> &'static str {
+        "a table of cylinders (QSM) is the tree: of linden, TreeQSM, SimpleForest, rTwig, aRchi, raycloudtools"
+    }
+
+    fn publications(&self) -> &'static [Publication] {
+        &[RAUMONEN]
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        QsmSettings::FIELDS.iter().map(|field| field.knob).collect()
+    }
+
+    fn keys(&self) -> &'static [TableKey] {
+        &[TableKey {
+            name: FILE,
+            help: "the table of cylinders, relative to the preset",
+            content: KeyContent::File,
+        }]
+    }
+
+    fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
+        match table.text(FILE)? {
+            Some(file) => Ok(Box::new(QsmSettings::of(file))),
+            None => Err(Fault::new(
+                table.place,
+                "[qsm] has no 'file': name the table of cylinders, like file = \"tree.csv\"",
+            )),
+        }
+    }
+}
+
+impl Settings for QsmSettings {
+    fn generator(&self) -> &'static dyn Generator {
+        GENERATOR
+    }
+
+    fn knobs(&self) -> Vec<(Knob, Value)> {
+        values(Self::FIELDS, self)
+    }
+
+    fn set(&mut self, knob: &str, value: Value) -> bool {
+        set(Self::FIELDS, self, knob, value)
+    }
+
+    fn written(&self) -> Vec<(&'static str, Written)> {
+        vec![(FILE, Written::Text(self.file.clone()))]
+    }
+
+    fn plain(&self) -> Box<dyn Settings> {
+        Box::new(Self::of(self.file.clone()))
+    }
+
+    fn inputs(&self) -> Vec<&str> {
+        vec![&self.file]
+    }
+
+    fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {
+        if let Some(name) = renamed(&self.file) {
+            self.file = name;
+        }
+    }
+
+    fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
+        let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
+        let line = format!("{}{}", self.file, extent.unwrap_or_default());
+        vec![Passage { heading: "cylinders", lines: vec![line] }]
+    }
+
+    fn traits(&self, _: &Wood) -> Traits {
+        Traits { radii: RadiiFrom::Generator, axes: AxisRule::Grammar, ..Traits::default() }
+    }
+
+    fn draws(&self) -> bool {
+        false
+    }
+
+    fn stay(&mut self) -> Option<[f64; 3]> {
+        (!self.table_place).then_some([0.0; 3])
+    }
+
+    fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
+        let (table, up) = self.table(task.inputs).map_err(GeneratorError::failed)?;
+        let chosen = match (self.table_tree as usize).checked_sub(1) {
+            None => &table.trees[..],
+            Some(index) => table.trees.get(index..=index).ok_or_else(|| {
+                GeneratorError::failed(QsmError::NoSuchTree {
+                    file: self.file.clone(),
+                    asked: self.table_tree,
+                    trees: table.trees.len(),
+                })
+            })?,
+        };
+        // A link may join each cylinder to the one below.
+        let most = 3 * chosen.iter().map(Vec::len).sum::<usize>() as u64;
+        monitor.admit("making a tree of cylinders", most * nodes::BYTES_PER_NODE, "take a smaller table")?;
+        let foot = chosen.iter().flatten().next().map_or(DVec3::ZERO, |row| row.start);
+        let shift = if self.table_place { DVec3::ZERO } else { foot };
+        let mut builder = Builder::new(up, shift, task.wood.width_steps);
+        for tree in chosen {
+            monitor.check()?;
+            builder.add(tree);
+        }
+        let mut notes = Vec::new();
+        if shift != DVec3::ZERO {
+            let [x, y, z] = shift.to_array();
+            notes.push(format!(
+                "the foot at {x}, {y}, {z} of the table was moved to 0,0,0; table_place=true leaves it where it is"
+            ));
+        }
+        notes.extend(builder.note());
+        Ok(Branched {
+            branching: builder.finish(),
+            most_nodes: u64::from(u32::MAX),
+            notes,
+            ..Branched::default()
+        })
+    }
+}
