@@ -109,7 +109,7 @@ fn write_plant(
         kind: "component",
         variants,
         bounds: component.bounds(),
-        is_labelled: writing.with_labels,
+        is_labelled: writing.said.labels,
     }
     .open(layer)?;
     if let Some(place) = place.filter(|place| !place.is_origin()) {

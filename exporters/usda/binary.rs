@@ -56,7 +56,7 @@ impl Exporter for Usdc {
                 None => Layer::binary(monitor, |layer| write_layer(layer, writing))?,
             };
             if let Some(split) = split {
-                let bytes = Layer::binary(monitor, |layer| split.write_payload(layer, writing))?;
+                let bytes = Layer::binary(monitor, |layer| Split::write_payload(layer, writing))?;
                 let length = Some(bytes.len() as u64);
                 bundle.write_side(&split.suffix, length, monitor, |out| out.write(&bytes))?;
             }

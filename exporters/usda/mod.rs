@@ -164,6 +164,14 @@ static PACKAGE: Format = Format {
     }),
 };
 
+/// What is said of meshes for others than renderers.
+struct Said {
+    /// What they are, for those who learn from pictures.
+    labels: bool,
+    /// The coarsest level for viewports.
+    proxy: bool,
+}
+
 /// What all writers of prims need.
 struct Writing<'a> {
     stage: &'a Stage<'a>,
@@ -176,8 +184,7 @@ struct Writing<'a> {
     with_skeleton: bool,
     with_instances: bool,
     with_materialx: bool,
-    with_labels: bool,
-    with_proxy: bool,
+    said: Said,
     /// Shapes for physics of each plant, and the options that they were asked for with.
     collision: Option<(Vec<Colliders>, String)>,
 }
@@ -228,8 +235,7 @@ impl<'a> Writing<'a> {
             with_instances,
             with_materialx,
             // Phones know less of USD.
-            with_labels: !is_ar,
-            with_proxy,
+            said: Said { labels: !is_ar, proxy: with_proxy },
             collision,
         })
     }
@@ -294,7 +300,7 @@ impl Exporter for Usda {
                 return bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), writing));
             };
             bundle.write_side(&split.suffix, None, monitor, |out| {
-                split.write_payload(&mut Layer::new(out), writing)
+                Split::write_payload(&mut Layer::new(out), writing)
             })?;
             bundle.write_main(None, monitor, |out| split.write_interface(&mut Layer::new(out), writing))
         })
@@ -322,7 +328,7 @@ fn write_beside(
     memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
     let mut files = Vec::with_capacity(writing.pictures.len());
     for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
-        files.push(bundle.write_picture(&named.suffix, png, monitor)?);
+        files.push(bundle.write_picture(&named.suffix, &png, monitor)?);
     }
     writing.name_files(files);
     write(&writing, bundle)
@@ -396,7 +402,7 @@ impl Exporter for Usdz {
             })?;
         }
         for (file, png) in writing.files.iter().zip(pictures) {
-            package.push(file, png)?;
+            package.push(file, &png)?;
         }
         let bytes = package.finish()?;
         bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
@@ -530,7 +536,7 @@ fn head<'a>(writing: &'a Writing<'_>, prim: &'a str, component: &Component<'_>) 
         kind: "component",
         variants: component.variants(),
         bounds: component.bounds(),
-        is_labelled: writing.with_labels,
+        is_labelled: writing.said.labels,
     }
 }
 

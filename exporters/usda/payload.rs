@@ -85,7 +85,7 @@ impl Split {
     }
 
     /// All that is loaded.
-    pub fn write_payload(&self, layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
+    pub fn write_payload(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
         let root = identifier(&writing.stage.name);
         open_layer(layer, writing, &root)?;
         let component = Component::new(writing, 0, format!("/{root}"));

@@ -183,7 +183,7 @@ impl<'a> Component<'a> {
         let geometry = format!("{}/Geometry", self.path);
         let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.parts).collect();
         wind::open_geometry(layer, &all)?;
-        let with_proxy = self.writing.with_proxy && levels > 1;
+        let with_proxy = self.writing.said.proxy && levels > 1;
         if with_proxy {
             let proxy = format!("{}/{PROXY}", self.path);
             layer.lines(&format!("rel {PROXY_PRIM} = <{proxy}>\nuniform token purpose = \"render\"\n"))?;
@@ -342,7 +342,7 @@ impl<'a> Component<'a> {
             name: &name,
             material: &binding,
             wind: piece.wind.filter(|_| !below.is_still),
-            label: self.writing.with_labels.then_some(&*piece.name),
+            label: self.writing.said.labels.then_some(&*piece.name),
         };
         mesh::write(layer, &self.writing.distinct, piece, &prim)
     }
