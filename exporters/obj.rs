@@ -98,7 +98,7 @@ impl Exporter for Obj {
         if library.is_some() {
             let mut files = Vec::with_capacity(pictures.len());
             for (named, png) in pictures.iter().zip(pictures::compress(&pictures)?) {
-                files.push(bundle.write_picture(&named.suffix, png, monitor)?);
+                files.push(bundle.write_picture(&named.suffix, &png, monitor)?);
             }
             // By what they are called, and the file of each.
             let mut cuts: Vec<(String, String)> = Vec::new();
@@ -111,7 +111,7 @@ impl Exporter for Obj {
                 let opacity = Arc::new(opacity(picture));
                 let opacities = [NamedPicture::png(&stem, &opacity, material.wrap)];
                 for (named, png) in opacities.iter().zip(pictures::compress(&opacities)?) {
-                    let file = bundle.write_picture(&named.suffix, png, monitor)?;
+                    let file = bundle.write_picture(&named.suffix, &png, monitor)?;
                     cuts.push((stem.clone(), file));
                 }
             }

@@ -21,6 +21,7 @@ mod tangents;
 mod traces;
 mod wind;
 
+use std::borrow::Cow;
 use std::io;
 
 use linden_pipeline::Monitor;
@@ -178,7 +179,7 @@ impl Exporter for Gltf {
         }
         let mut sources = Vec::with_capacity(pictures.len());
         for (named, bytes) in pictures.iter().zip(pictures::compress(&pictures)?) {
-            let file = bundle.write_picture(&named.suffix, bytes, monitor)?;
+            let file = bundle.write_picture(&named.suffix, &bytes, monitor)?;
             sources.push(ImageSource::Uri(percent_encoded(&file)));
         }
         let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
@@ -222,6 +223,12 @@ fn pictures<'a>(
     for named in &mut pictures {
         named.store_as(format);
     }
+    // Where nothing else shows that it was asked for, all stays as it is.
+    if format == PictureFormat::Jpeg && pictures.iter().any(|named| named.format == format) {
+        for named in &mut pictures {
+            named.is_rounded = named.is_normal;
+        }
+    }
     if format != PictureFormat::Png && pictures.iter().all(|named| named.format != format) {
         bundle.note(format!(
             "picture_format changes nothing: there is no picture that {} could hold",
@@ -236,7 +243,7 @@ fn pictures<'a>(
 fn own_bytes(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> u64 {
     let tangents =
         if pictures.is_empty() { 0 } else { memory::largest(distinct, memory::per_vertex::<[f32; 4]>) };
-    tangents + 2 * instances::bytes(distinct)
+    tangents + 2 * instances::bytes(distinct) + pictures::rounding_bytes(pictures)
 }
 
 /// How the embedded buffer's URI begins.
@@ -341,7 +348,7 @@ impl<'a> Binary<'a> {
 
 /// Pictures into the buffer.
 fn embedded(pictures: &[NamedPicture<'_>], layout: &mut Layout) -> Result<Vec<ImageSource>, ExportError> {
-    let put = |file: &[u8]| ImageSource::BufferView(layout.push_blob(file.to_vec()));
+    let put = |file: Cow<'_, [u8]>| ImageSource::BufferView(layout.push_blob(file.into_owned()));
     Ok(pictures::compress(pictures)?.into_iter().map(put).collect())
 }
 

@@ -17,6 +17,7 @@ use linden_pipeline::scene::Bounds;
 use linden_pipeline::stage::{Camera, Place, Setting};
 
 use super::layer::Layer;
+use super::mesh::MeshPrim;
 use super::plant::{Component, Head, Variants};
 use super::syntax::{Names, beside, identifier, quoted, tuple};
 use super::{Writing, instancer, material, mesh};
@@ -38,8 +39,16 @@ pub(super) const LAST_TRACE: &str = "def DomeLight ";
 pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let stage = writing.stage;
     let variants = Variants::default();
-    Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants, bounds: None }
-        .open(layer)?;
+    Head {
+        prim: root,
+        name: &stage.name,
+        recipe: &stage.recipe,
+        kind: "assembly",
+        variants,
+        bounds: None,
+        is_labelled: false,
+    }
+    .open(layer)?;
     let mut names = Names::default();
     let prims: Vec<String> = stage.plants.iter().map(|plant| names.unique(&plant.name)).collect();
     if let [place] = stage.places.as_slice() {
@@ -93,8 +102,16 @@ fn write_plant(
     let component = Component::new(writing, plant, path);
     let recipe = stage_plant.levels().first().map_or("", |level| level.scene.recipe.as_str());
     let variants = component.variants();
-    Head { prim, name: &stage_plant.name, recipe, kind: "component", variants, bounds: component.bounds() }
-        .open(layer)?;
+    Head {
+        prim,
+        name: &stage_plant.name,
+        recipe,
+        kind: "component",
+        variants,
+        bounds: component.bounds(),
+        is_labelled: writing.said.labels,
+    }
+    .open(layer)?;
     if let Some(place) = place.filter(|place| !place.is_origin()) {
         layer.lines(&transform(place))?;
         layer.lines("\n")?;
@@ -207,7 +224,9 @@ fn write_pieces(
     layer.open("def Scope \"Geometry\"")?;
     for piece in pieces {
         let binding = format!("{path}/Materials/{}", materials[&piece.material]);
-        mesh::write(layer, &writing.distinct, piece, "", &identifier(&piece.name), &binding)?;
+        let name = identifier(&piece.name);
+        let prim = MeshPrim { parent: "", name: &name, material: &binding, wind: piece.wind, label: None };
+        mesh::write(layer, &writing.distinct, piece, &prim)?;
     }
     layer.close()?;
     layer.lines("\n")?;

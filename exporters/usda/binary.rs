@@ -6,7 +6,8 @@ use linden_pipeline::Monitor;
 use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
-use super::{COLLISION, MOST, OPTIONS, estimate, write_beside, write_layer};
+use super::payload::{self, Split};
+use super::{COLLISION, MOST, OPTIONS, estimate, plant, write_beside, write_layer};
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
@@ -49,7 +50,16 @@ impl Exporter for Usdc {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         write_beside(&FORMAT, stage, options, bundle, monitor, |writing, bundle| {
-            let bytes = Layer::binary(monitor, |layer| write_layer(layer, writing))?;
+            let split = Split::of(writing, "_payload.usdc", options, bundle);
+            let bytes = match &split {
+                Some(split) => Layer::binary(monitor, |layer| split.write_interface(layer, writing))?,
+                None => Layer::binary(monitor, |layer| write_layer(layer, writing))?,
+            };
+            if let Some(split) = split {
+                let bytes = Layer::binary(monitor, |layer| Split::write_payload(layer, writing))?;
+                let length = Some(bytes.len() as u64);
+                bundle.write_side(&split.suffix, length, monitor, |out| out.write(&bytes))?;
+            }
             bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
         })
     }
@@ -57,12 +67,16 @@ impl Exporter for Usdc {
 
 /// What the names in a layer show of how it was written.
 pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
+    if let Some(told) = names.strings().find(|text| text.starts_with(payload::TOLD_BEGINNING)) {
+        return payload::traces(format, told);
+    }
     let camera = names.has("Camera");
     let told = names.strings().find_map(|text| Surroundings::parse(text).ok());
     let setting = camera.then(|| told.unwrap_or_default());
     let traces = Traces::none(format)
         .with_switch("pictures", names.has("UsdUVTexture"))
-        .with_switch("skeleton", names.has("BasisCurves"));
+        .with_switch("skeleton", names.has("BasisCurves"))
+        .with_switch("proxy", names.has(plant::PROXY_PRIM));
     let is_told = |(shapes, most): &(&str, &str)| {
         let mut options = Options::new(format);
         options.set(COLLISION.knob.name, shapes).and_then(|()| options.set(MOST.knob.name, most)).is_ok()

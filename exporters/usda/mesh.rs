@@ -2,21 +2,35 @@
 
 use super::indexed::indexed;
 use super::layer::Layer;
-use super::syntax::tuple;
+use super::syntax::{quoted, tuple};
 use super::wind;
+use linden_pipeline::wind::PartWind;
+
 use crate::ExportError;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 
-/// A mesh below the prim at the path `parent`; `material` is the path of the one that is bound.
+/// What a mesh is as a prim.
+pub(super) struct MeshPrim<'a> {
+    /// The path of the prim that it is below.
+    pub parent: &'a str,
+    /// An identifier.
+    pub name: &'a str,
+    /// The path of the material that is bound.
+    pub material: &'a str,
+    /// How it swings.
+    pub wind: Option<&'a PartWind>,
+    /// Its class (`UsdSemantics`).
+    pub label: Option<&'a str>,
+}
+
+/// A mesh.
 pub(super) fn write(
     layer: &mut Layer<'_, '_>,
     distinct: &DistinctMeshes<'_>,
     piece: &MeshPart<'_>,
-    parent: &str,
-    name: &str,
-    material: &str,
+    &MeshPrim { parent, name, material, wind, label }: &MeshPrim<'_>,
 ) -> Result<(), ExportError> {
-    let &MeshPart { ref mesh, bounds, material: named, wind, .. } = piece;
+    let &MeshPart { ref mesh, bounds, material: named, .. } = piece;
     let material_of = distinct.materials[named].material;
     let head = format!(
         r#"uniform bool doubleSided = {}
@@ -33,8 +47,12 @@ color3f[] primvars:displayColor = [{}] (
         tuple(material_of.base_color),
     );
     let schemas = wind::schemas(wind);
-    layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}]\n)"))?;
+    let labelled = label.map_or("", |_| ", \"SemanticsLabelsAPI:class\"");
+    layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}{labelled}]\n)"))?;
     layer.lines(&head)?;
+    if let Some(label) = label {
+        layer.lines(&format!("token[] semantics:labels:class = [{}]", quoted(label)))?;
+    }
     let vertex = Some("vertex");
     layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |_| 3)?;
     layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |i| mesh.triangles[i])?;

@@ -8,6 +8,9 @@
 //!     /Materials/fir_bark UsdPreviewSurface; for leaves a MaterialX surface too
 //! ```
 //!
+//! With `payload`, that is a small layer with the plant's head, and a file beside it with everything within: see
+//! [`payload`]. With `proxy`, the coarsest level stands beside the others for viewports.
+//!
 //! With `instances`, foliage is a `PointInstancer` per part, which holds its prototypes.
 //!
 //! Several plants, or one with what stands around it, are an [`assembly`].
@@ -28,6 +31,7 @@ mod material;
 mod materialx;
 mod mesh;
 pub(crate) mod package;
+mod payload;
 pub(crate) mod payloads;
 mod plant;
 mod skeleton;
@@ -46,6 +50,7 @@ use linden_pipeline::{Monitor, Vec3};
 pub(crate) use self::binary::Usdc;
 use self::layer::Layer;
 use self::package::Package;
+use self::payload::Split;
 use self::plant::{Component, Head};
 use self::syntax::identifier;
 pub(crate) use self::syntax::{quoted, unquoted};
@@ -80,8 +85,20 @@ const LODS: OptionSpec = OptionSpec::choice(
     "levels of detail: variants of the set lod; or a file each, for programs that let nobody choose",
 );
 
+const PROXY: OptionSpec = OptionSpec::switch(
+    "proxy",
+    false,
+    "the coarsest level a second time for viewports (purpose proxy), all else of purpose render",
+);
+
+const PAYLOAD: OptionSpec = OptionSpec::switch(
+    "payload",
+    false,
+    "a plant's geometry and materials in a file of their own that a small layer loads as its payload",
+);
+
 /// Of a layer with its pictures beside it.
-static OPTIONS: [OptionSpec; 7] = [
+static OPTIONS: [OptionSpec; 9] = [
     OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
     OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
     INSTANCES,
@@ -89,6 +106,8 @@ static OPTIONS: [OptionSpec; 7] = [
     LODS,
     COLLISION,
     MOST,
+    PROXY,
+    PAYLOAD,
 ];
 
 static FORMAT: Format = Format {
@@ -132,6 +151,7 @@ static PACKAGE: Format = Format {
         LODS,
         COLLISION,
         MOST,
+        PROXY,
     ],
     holds: Holds::SCENE,
     encoding: |options| if is_binary(options) { Encoding::Binary } else { Encoding::Text },
@@ -143,6 +163,14 @@ static PACKAGE: Format = Format {
         }
     }),
 };
+
+/// What is said of meshes for others than renderers.
+struct Said {
+    /// What they are, for those who learn from pictures.
+    labels: bool,
+    /// The coarsest level for viewports.
+    proxy: bool,
+}
 
 /// What all writers of prims need.
 struct Writing<'a> {
@@ -156,6 +184,7 @@ struct Writing<'a> {
     with_skeleton: bool,
     with_instances: bool,
     with_materialx: bool,
+    said: Said,
     /// Shapes for physics of each plant, and the options that they were asked for with.
     collision: Option<(Vec<Colliders>, String)>,
 }
@@ -183,6 +212,10 @@ impl<'a> Writing<'a> {
         let with_skeleton = options.is_on("skeleton") && !is_ar;
         let with_materialx = options.is_on("materialx") && !is_ar;
         note_materialx(&distinct, stage, options, bundle);
+        let with_proxy = options.is_on("proxy");
+        if with_proxy && (0..distinct.plants()).all(|plant| distinct.levels(plant) == 1) {
+            bundle.note("proxy=true changes nothing: there is one level of detail in it");
+        }
         let told = told(options);
         if told.is_some() && is_ar {
             bundle.note("usdz.flavor=ar: collision is left out, which phones do not know");
@@ -201,6 +234,8 @@ impl<'a> Writing<'a> {
             with_skeleton,
             with_instances,
             with_materialx,
+            // Phones know less of USD.
+            said: Said { labels: !is_ar, proxy: with_proxy },
             collision,
         })
     }
@@ -261,7 +296,13 @@ impl Exporter for Usda {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         write_beside(&FORMAT, stage, options, bundle, monitor, |writing, bundle| {
-            bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), writing))
+            let Some(split) = Split::of(writing, "_payload.usda", options, bundle) else {
+                return bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), writing));
+            };
+            bundle.write_side(&split.suffix, None, monitor, |out| {
+                Split::write_payload(&mut Layer::new(out), writing)
+            })?;
+            bundle.write_main(None, monitor, |out| split.write_interface(&mut Layer::new(out), writing))
         })
     }
 }
@@ -287,7 +328,7 @@ fn write_beside(
     memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
     let mut files = Vec::with_capacity(writing.pictures.len());
     for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
-        files.push(bundle.write_picture(&named.suffix, png, monitor)?);
+        files.push(bundle.write_picture(&named.suffix, &png, monitor)?);
     }
     writing.name_files(files);
     write(&writing, bundle)
@@ -361,7 +402,7 @@ impl Exporter for Usdz {
             })?;
         }
         for (file, png) in writing.files.iter().zip(pictures) {
-            package.push(file, png)?;
+            package.push(file, &png)?;
         }
         let bytes = package.finish()?;
         bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
@@ -382,6 +423,11 @@ fn is_binary(options: &Options) -> bool {
 }
 
 fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Traces> {
+    if let Some(literal) = traces::behind(file, payload::TOLD_TRACE)? {
+        let told = recipe::text(&literal).and_then(|literal| unquoted(&literal)).unwrap_or_default();
+        return Ok(payload::traces(format, &told));
+    }
+    file.rewind()?;
     let seen = traces::beginnings(
         file,
         [
@@ -389,6 +435,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             materialx::TRACE,
             "def BasisCurves ",
             collision::PRIM_TRACE,
+            plant::PROXY_TRACE,
             assembly::COVER_TRACE,
             "def PointInstancer ",
             "def Camera ",
@@ -396,7 +443,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, collision, _, instances, camera, seasons, _] = seen?;
+    let [pictures, materialx, skeleton, collision, proxy, _, instances, camera, seasons, _] = seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
     let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
@@ -404,7 +451,8 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
     let traces = Traces::none(format)
         .with_switch("pictures", pictures)
         .with_switch("skeleton", skeleton)
-        .with_switch("instances", instances);
+        .with_switch("instances", instances)
+        .with_switch("proxy", proxy);
     let shapes = if collision { traces::behind(file, collision::TOLD_TRACE)? } else { None };
     let shapes = shapes.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let traces = match shapes.as_deref().and_then(|told| told.split_once(' ')) {
@@ -469,6 +517,31 @@ fn own_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
 fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
     let stage = writing.stage;
     let root = identifier(&stage.name);
+    open_layer(layer, writing, &root)?;
+    if !stage.is_single() || stage.setting.is_some() {
+        return assembly::write(layer, writing, &root);
+    }
+    let component = Component::new(writing, 0, format!("/{root}"));
+    head(writing, &root, &component).open(layer)?;
+    component.write(layer)?;
+    layer.close()
+}
+
+/// The head of a plant that is all there is.
+fn head<'a>(writing: &'a Writing<'_>, prim: &'a str, component: &Component<'_>) -> Head<'a> {
+    Head {
+        prim,
+        name: &writing.stage.name,
+        recipe: &writing.stage.recipe,
+        kind: "component",
+        variants: component.variants(),
+        bounds: component.bounds(),
+        is_labelled: writing.said.labels,
+    }
+}
+
+/// What stands before the first prim.
+fn open_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let generator = quoted(GENERATOR);
     let pieces: Vec<_> = writing.distinct.parts().collect();
     let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
@@ -482,21 +555,5 @@ fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), E
 )
 "#
     ))?;
-    layer.lines("\n")?;
-    if !stage.is_single() || stage.setting.is_some() {
-        return assembly::write(layer, writing, &root);
-    }
-    let component = Component::new(writing, 0, format!("/{root}"));
-    let variants = component.variants();
-    Head {
-        prim: &root,
-        name: &stage.name,
-        recipe: &stage.recipe,
-        kind: "component",
-        variants,
-        bounds: component.bounds(),
-    }
-    .open(layer)?;
-    component.write(layer)?;
-    layer.close()
+    layer.lines("\n")
 }

@@ -9,6 +9,7 @@ use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::Bounds;
 
 use super::layer::Layer;
+use super::mesh::MeshPrim;
 use super::syntax::{Names, quoted, tuple};
 use super::{Writing, collision, instancer, material, mesh, skeleton, wind};
 use crate::writing::distinct::{MeshPart, PlantModel};
@@ -28,7 +29,18 @@ pub(super) struct Head<'a> {
     pub variants: Variants,
     /// The box of all that it may show: browsers of assets see it without reading a mesh.
     pub bounds: Option<Bounds>,
+    /// Whether it says what it is for those who learn from pictures.
+    pub is_labelled: bool,
 }
+
+/// The scope of what viewports draw, and how the line begins that has it.
+const PROXY: &str = "Proxy";
+pub(super) const PROXY_TRACE: &str = "def Scope \"Proxy\"";
+/// The relationship that leads to it.
+pub(super) const PROXY_PRIM: &str = "proxyPrim";
+
+/// The class of a plant (`UsdSemantics`), which says its name too.
+const CLASS: &str = "plant";
 
 /// Sets of variants.
 #[derive(Default)]
@@ -37,19 +49,48 @@ pub(super) struct Variants {
     chosen: Vec<(&'static str, String)>,
 }
 
+impl Variants {
+    /// The set that stands on the prim itself.
+    pub fn first(&self) -> Option<&'static str> {
+        self.sets.first().copied()
+    }
+}
+
 impl Head<'_> {
     /// Opens the prim.
     pub fn open(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        self.open_with(layer, None, None)
+    }
+
+    /// Opens the prim of a layer that others name by `identifier`, with a payload.
+    pub fn open_with(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        identifier: Option<&str>,
+        payload: Option<&str>,
+    ) -> Result<(), ExportError> {
         let Self { prim, kind, variants, .. } = self;
         let name = quoted(self.name);
         let recipe = quoted(self.recipe);
         let generator = quoted(GENERATOR);
-        let schemas =
-            if self.bounds.is_some() { "\n    prepend apiSchemas = [\"GeomModelAPI\"]" } else { "" };
+        let schemas: Vec<&str> = [
+            self.bounds.map(|_| "\"GeomModelAPI\""),
+            self.is_labelled.then_some("\"SemanticsLabelsAPI:class\""),
+        ]
+        .into_iter()
+        .flatten()
+        .collect();
+        let schemas = if schemas.is_empty() {
+            String::new()
+        } else {
+            format!("\n    prepend apiSchemas = [{}]", schemas.join(", "))
+        };
+        let identifier = identifier
+            .map_or_else(String::new, |identifier| format!("        asset identifier = {identifier}\n"));
         let mut text = format!(
             r#"def Xform "{prim}" ({schemas}
     assetInfo = {{
-        string name = {name}
+{identifier}        string name = {name}
         string version = "1"
     }}
     customData = {{
@@ -69,14 +110,27 @@ impl Head<'_> {
             }
             text += "    }\n";
         }
+        if let Some(payload) = payload {
+            text += &format!("    prepend payload = {payload}\n");
+        }
         text += ")";
         layer.open(&text)?;
         if let Some(Bounds { min, max }) = self.bounds {
             let [min, max] = [min, max].map(|corner| tuple(corner.to_array()));
             layer.lines(&format!("float3[] extentsHint = [{min}, {max}]"))?;
         }
+        if self.is_labelled {
+            layer.lines(&format!("token[] semantics:labels:class = [\"{CLASS}\", {name}]"))?;
+        }
         layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}\n\n"))
     }
+}
+
+/// The prim that meshes are written below.
+struct Below {
+    path: String,
+    /// Whether they have no wind.
+    is_still: bool,
 }
 
 /// A plant of the stage, to be written below a prim.
@@ -129,12 +183,17 @@ impl<'a> Component<'a> {
         let geometry = format!("{}/Geometry", self.path);
         let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.parts).collect();
         wind::open_geometry(layer, &all)?;
+        let with_proxy = self.writing.said.proxy && levels > 1;
+        if with_proxy {
+            let proxy = format!("{}/{PROXY}", self.path);
+            layer.lines(&format!("rel {PROXY_PRIM} = <{proxy}>\nuniform token purpose = \"render\"\n"))?;
+        }
         if let Some(sway) = wind::sway(&all) {
             wind::write_rig(layer, &geometry, sway, &all)?;
         }
         let mut names = Names::default();
         if levels == 1 {
-            self.parts(layer, &self.all_year(0).collect::<Vec<_>>(), &mut names)?;
+            self.parts(layer, &self.all_year(0).collect::<Vec<_>>(), &self.geometry(), &mut names)?;
         }
         if self.writing.with_skeleton {
             // It is the same in all levels and seasons.
@@ -159,6 +218,9 @@ impl<'a> Component<'a> {
         } else if seasons > 1 {
             self.of_seasons(layer, 0)?;
         }
+        if with_proxy {
+            self.proxy(layer, levels - 1)?;
+        }
         if let Some((colliders, told)) = &self.writing.collision {
             collision::write(layer, &colliders[self.plant], told)?;
         }
@@ -173,6 +235,22 @@ impl<'a> Component<'a> {
             layer.lines(&text)?;
         }
         layer.close()
+    }
+
+    /// What viewports draw: a level as it is in the first season. It stands still.
+    fn proxy(&self, layer: &mut Layer<'_, '_>, level: usize) -> Result<(), ExportError> {
+        layer.open(PROXY_TRACE)?;
+        layer.lines("uniform token purpose = \"proxy\"\n\n")?;
+        let below = Below { path: format!("{}/{PROXY}", self.path), is_still: true };
+        let pieces: Vec<&MeshPart<'_>> = self.model(0, level).parts.iter().collect();
+        self.parts(layer, &pieces, &below, &mut Names::default())?;
+        layer.close()?;
+        layer.lines("\n")
+    }
+
+    /// Where the plant's meshes are.
+    fn geometry(&self) -> Below {
+        Below { path: format!("{}/Geometry", self.path), is_still: false }
     }
 
     fn of_seasons(&self, layer: &mut Layer<'_, '_>, level: usize) -> Result<(), ExportError> {
@@ -191,7 +269,7 @@ impl<'a> Component<'a> {
     fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>]) -> Result<(), ExportError> {
         let mut names = Names::default();
         layer.open("over \"Geometry\"")?;
-        self.parts(layer, pieces, &mut names)?;
+        self.parts(layer, pieces, &self.geometry(), &mut names)?;
         layer.close()?;
         layer.lines("\n")
     }
@@ -201,6 +279,7 @@ impl<'a> Component<'a> {
         &self,
         layer: &mut Layer<'_, '_>,
         pieces: &[&MeshPart<'_>],
+        below: &Below,
         names: &mut Names,
     ) -> Result<(), ExportError> {
         let is_with = |a: &&MeshPart<'_>, b: &&MeshPart<'_>| {
@@ -209,8 +288,11 @@ impl<'a> Component<'a> {
         for together in pieces.chunk_by(is_with) {
             match together[0].copied_part() {
                 // A name that none of the parts has, in whichever variant it stands.
-                Some(part) => self.instancer(layer, together, &names.unique(&format!("{part}_instances")))?,
-                None => self.mesh(layer, together[0], &format!("{}/Geometry", self.path), names)?,
+                Some(part) => {
+                    let name = names.unique(&format!("{part}_instances"));
+                    self.instancer(layer, together, below, &name)?;
+                }
+                None => self.mesh(layer, together[0], below, names)?,
             }
         }
         Ok(())
@@ -220,9 +302,10 @@ impl<'a> Component<'a> {
         &self,
         layer: &mut Layer<'_, '_>,
         pieces: &[&MeshPart<'_>],
+        below: &Below,
         name: &str,
     ) -> Result<(), ExportError> {
-        let path = format!("{}/Geometry/{name}/Prototypes", self.path);
+        let path = format!("{}/{name}/Prototypes", below.path);
         let stands = || pieces.iter().filter_map(|piece| piece.copies.as_ref());
         let bounds = stands().map(|copies| copies.seen).reduce(Bounds::union);
         let placed: Vec<(u32, Placement)> = (0..)
@@ -236,24 +319,32 @@ impl<'a> Component<'a> {
         instancer::write(layer, bounds, &paths, &placed)?;
         layer.open("def Scope \"Prototypes\"")?;
         let mut names = Names::default();
-        pieces.iter().try_for_each(|piece| self.mesh(layer, piece, &path, &mut names))?;
+        let below = Below { path, ..*below };
+        pieces.iter().try_for_each(|piece| self.mesh(layer, piece, &below, &mut names))?;
         layer.close()?;
         layer.close()?;
         layer.lines("\n")
     }
 
-    /// A mesh below the prim at `parent`.
+    /// A mesh below a prim.
     fn mesh(
         &self,
         layer: &mut Layer<'_, '_>,
         piece: &MeshPart<'_>,
-        parent: &str,
+        below: &Below,
         names: &mut Names,
     ) -> Result<(), ExportError> {
         let material = self.materials.get(&piece.material).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
         let name = names.unique(&self.full_name(piece));
-        mesh::write(layer, &self.writing.distinct, piece, parent, &name, &binding)
+        let prim = MeshPrim {
+            parent: &below.path,
+            name: &name,
+            material: &binding,
+            wind: piece.wind.filter(|_| !below.is_still),
+            label: self.writing.said.labels.then_some(&*piece.name),
+        };
+        mesh::write(layer, &self.writing.distinct, piece, &prim)
     }
 
     /// What a piece is called also outside of its plant.

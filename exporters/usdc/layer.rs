@@ -200,6 +200,11 @@ impl<'m> Crate<'m> {
                     let path = build.path_of(path)?;
                     ("references", build.values.references(&[path]))
                 }
+                ("payload", Literal::Asset(layer)) => {
+                    let Literal::Path(prim) = read.value()? else { return None };
+                    let prim = build.path_of(prim)?;
+                    ("payload", build.values.payload(layer, prim))
+                }
                 _ => return None,
             });
         }

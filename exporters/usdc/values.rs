@@ -28,6 +28,7 @@ pub(super) mod number {
     pub const VARIANT_SELECTION: u8 = 45;
     pub const TIME_SAMPLES: u8 = 46;
     pub const DOUBLE_VECTOR: u8 = 48;
+    pub const PAYLOAD_LIST: u8 = 55;
 }
 
 /// Which items of a list operation follow its header.
@@ -207,6 +208,17 @@ impl Values {
             bytes.extend(0_u64.to_le_bytes());
         }
         self.stands(number::REFERENCE_LIST, &bytes)
+    }
+
+    /// A payload: a prim of another layer, before other payloads.
+    pub fn payload(&mut self, layer: &str, prim: u32) -> Rep {
+        let mut bytes = vec![Listed::Prepended.header()];
+        bytes.extend(1_u64.to_le_bytes());
+        bytes.extend(self.string(layer).to_le_bytes());
+        bytes.extend(prim.to_le_bytes());
+        // Times as they are: offset and scale.
+        bytes.extend([0.0_f64, 1.0].iter().flat_map(|x| x.to_le_bytes()));
+        self.stands(number::PAYLOAD_LIST, &bytes)
     }
 
     /// A dictionary, keys in their order.

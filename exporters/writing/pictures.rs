@@ -1,5 +1,6 @@
 //! Pictures as files, each once.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::Vec2;
@@ -26,14 +27,28 @@ pub struct NamedPicture<'a> {
     pub is_normal: bool,
     /// What its file is.
     pub format: PictureFormat,
+    /// Whether its file has channels in steps of [`STEP`] around the middle: of directions, a third fewer bytes, none
+    /// bent by as much as a degree.
+    pub is_rounded: bool,
 }
+
+/// Of 255.
+const STEP: i32 = 3;
 
 impl<'a> NamedPicture<'a> {
     /// A PNG of colours, whose name ends with `suffix` and `.png`.
     pub fn png(suffix: &str, picture: &'a Arc<Picture>, wrap: Wrap) -> Self {
         let format = PictureFormat::Png;
         let name = suffix.trim_start_matches('_').to_owned();
-        Self { suffix: with_ending(suffix, format), name, picture, wrap, is_normal: false, format }
+        Self {
+            suffix: with_ending(suffix, format),
+            name,
+            picture,
+            wrap,
+            is_normal: false,
+            format,
+            is_rounded: false,
+        }
     }
 
     /// The name's end without that of the format: `_bark_normal`.
@@ -88,14 +103,38 @@ pub fn index_of(named: &[NamedPicture<'_>], picture: Option<&Arc<Picture>>) -> O
 ///
 /// # Errors
 /// Only for a picture whose pixels do not fill it, which `writing::validate` has refused before.
-pub fn compress<'a>(named: &[NamedPicture<'a>]) -> Result<Vec<&'a [u8]>, ExportError> {
+pub fn compress<'a>(named: &[NamedPicture<'a>]) -> Result<Vec<Cow<'a, [u8]>>, ExportError> {
     let encoded = |named: &NamedPicture<'a>| {
-        named.picture.encoded(named.format).map_err(|e| ExportError::Scene {
+        let file = if named.is_rounded {
+            rounded(named.picture).small(named.format).map(Cow::Owned)
+        } else {
+            named.picture.encoded(named.format).map(Cow::Borrowed)
+        };
+        file.map_err(|e| ExportError::Scene {
             what: format!("picture '{}'", named.suffix),
             problem: e.to_string(),
         })
     };
     named.par_iter().map(encoded).collect()
+}
+
+/// What rounding pictures takes: their pixels once more, and their files, as large as they may be.
+pub fn rounding_bytes(named: &[NamedPicture<'_>]) -> u64 {
+    let pixels = named.iter().filter(|named| named.is_rounded).map(|named| named.picture.rgba().len() as u64);
+    2 * pixels.sum::<u64>()
+}
+
+/// A picture in fewer values; 128, which is no slope, is one of them.
+fn rounded(picture: &Picture) -> Picture {
+    const MIDDLE: i32 = 128;
+    let round = |value: u8| {
+        let offset = i32::from(value) - MIDDLE;
+        let steps = (offset + STEP / 2).div_euclid(STEP);
+        (MIDDLE + steps * STEP).clamp(0, 255) as u8
+    };
+    let pixels = picture.rgba().as_chunks::<4>().0.iter();
+    let rgba = pixels.flat_map(|&[r, g, b, a]| [round(r), round(g), round(b), a]).collect();
+    Picture::new(picture.width(), picture.height(), rgba)
 }
 
 /// The sRGB colour of the pixel where a texture coordinate (V up) is. What is cut out has a colour too:
@@ -117,6 +156,8 @@ pub fn srgb(linear: f32) -> u8 {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
@@ -130,6 +171,26 @@ mod tests {
         assert_eq!(at(Wrap::Repeat, -0.1, 3.2), [255, 255, 255]);
         assert_eq!(at(Wrap::Clamp, 1.1, -0.1), [255, 255, 255]);
         assert_eq!(at(Wrap::Clamp, 0.0, 1.0), [255, 0, 0]);
+    }
+
+    #[test]
+    fn rounded_directions_are_bent_by_less_than_a_degree() {
+        let sines = (0..90_000).map(|i| [(i % 300) as f32, (i / 300) as f32].map(|n| n / 150.0 - 1.0));
+        let up = |[x, y]: [f32; 2]| 1.0 - x * x - y * y;
+        let directions = sines.filter(|xy| up(*xy) > 0.0).map(|xy| [xy[0], xy[1], up(xy).sqrt()]);
+        let stored = |direction: [f32; 3]| direction.map(|x| libm::roundf(127.5 * x + 127.5) as u8);
+        let read =
+            |[r, g, b, _]: [u8; 4]| Vec3::from([r, g, b].map(|c| f32::from(c) / 127.5 - 1.0)).normalize();
+        let mut worst = 0.0_f32;
+        for direction in directions {
+            let [r, g, b] = stored(direction);
+            let rounded = rounded(&Picture::new(1, 1, vec![r, g, b, 255]));
+            let after: [u8; 4] = rounded.rgba().try_into().unwrap();
+            worst = worst.max(read(after).angle_between(read([r, g, b, 255])).to_degrees());
+        }
+        assert!(0.5 < worst && worst < 1.0, "{worst}");
+        let flat = Picture::new(1, 1, vec![128, 128, 255, 255]);
+        assert_eq!(rounded(&flat).rgba()[..2], [128, 128]);
     }
 
     #[test]

@@ -271,7 +271,9 @@ def with_khronos(paths):
 def check(directory, clients=True):
     """All faults of a directory: [(path, check, fault)], and [(path, check)] of what was fine."""
     paths = sorted(p for p in Path(directory).iterdir()
-                   if p.suffix in (".obj", ".ply", ".gltf", ".glb", ".usda", ".usdc", ".usdz", ".stl"))
+                   if p.suffix in (".obj", ".ply", ".gltf", ".glb", ".usda", ".usdc", ".usdz", ".stl")
+                   # The second half of a file that is looked at with it.
+                   and not p.stem.endswith("_payload"))
     if not paths:
         return [(Path(directory), "check", "holds no exported files")], []
     stems = defaultdict(list)

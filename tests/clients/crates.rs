@@ -27,6 +27,7 @@ fn binary_usd_is_the_text() {
     both("hull", &stage, &[("collision", "hull")]);
     both("setting", &stage.clone().in_setting(), &[]);
     both("levels", &levels(&recipe, &grown, &Quiet).unwrap().stage(), &[]);
+    both("proxy", &levels(&recipe, &grown, &Quiet).unwrap().stage(), &[("proxy", "true")]);
     // Texts that have to be quoted.
     let odd = Stage { name: "odd \"name\" \\ \u{f6} #2 @x@ <y>".to_owned(), ..stage.clone() };
     both("odd", &odd, &[]);

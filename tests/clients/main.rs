@@ -21,4 +21,5 @@ mod seasons;
 mod skeletons;
 mod solid;
 mod stage;
+mod studio;
 mod wind;

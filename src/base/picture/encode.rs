@@ -18,6 +18,8 @@ pub(super) struct About<'a> {
     /// Whether it is to be looked at rather than laid on a surface: its colours are sRGB, and its file is as small as
     /// can be.
     pub is_for_people: bool,
+    /// Whether its file is as small as can be though it is laid on a surface.
+    pub is_small: bool,
     /// How to grow what it shows.
     pub recipe: Option<&'a str>,
 }
@@ -46,7 +48,7 @@ fn png(picture: &Picture, about: &About<'_>) -> Result<Vec<u8>, png::EncodingErr
     let opaque = picture.is_opaque();
     let mut bytes = Vec::with_capacity(picture.rgba.len() / 2);
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
-    if !about.is_for_people {
+    if !(about.is_for_people || about.is_small) {
         // Bark and leaves hardly repeat: without looking for what does, their colours take 5 to 25 % more and their
         // normals 5 % less, in a thirtieth of the time (benchmark `writers`).
         encoder.set_compression(png::Compression::Fast);

@@ -124,6 +124,14 @@ impl Picture {
         Ok(kept.get_or_init(|| encoded))
     }
 
+    /// As [`Picture::encoded`], in as few bytes as can be: it takes longer, and is not kept.
+    ///
+    /// # Errors
+    /// [`PictureError`].
+    pub fn small(&self, format: PictureFormat) -> Result<Vec<u8>, PictureError> {
+        encode::encode(self, format, &encode::About { is_small: true, ..encode::About::default() })
+    }
+
     /// As [`Picture::encoded`], for people to look at: a PNG is marked as sRGB, which others are anyhow, and
     /// the `recipe` of what is shown, one line of ASCII, is where [`recipe_in_picture`] finds it. It is left
     /// out where there is no room: see [`PictureFormat::has_room_for`]. Not kept.
@@ -132,7 +140,11 @@ impl Picture {
     /// [`PictureError`].
     pub fn preview(&self, format: PictureFormat, recipe: Option<&str>) -> Result<Vec<u8>, PictureError> {
         let recipe = recipe.filter(|recipe| format.has_room_for(recipe));
-        encode::encode(self, format, &encode::About { is_for_people: true, recipe })
+        encode::encode(
+            self,
+            format,
+            &encode::About { is_for_people: true, recipe, ..encode::About::default() },
+        )
     }
 
     /// [`Picture::preview`] as PNG without a recipe.
