@@ -66,7 +66,7 @@ impl Exporter for Lines {
         let pictures = if is_shown { pictures::of_materials(&distinct.materials) } else { Vec::new() };
         memory::admit(stage, &pictures, memory::formatting(&distinct), monitor)?;
         for (named, png) in pictures.iter().zip(pictures::compress(&pictures)?) {
-            bundle.write_picture(&named.suffix, png, monitor)?;
+            bundle.write_picture(&named.suffix, &png, monitor)?;
         }
         bundle.write_main(None, monitor, |out| {
             out.write(format!("# {GENERATOR}\n# recipe: {}\n", stage.recipe).as_bytes())?;

@@ -195,12 +195,13 @@ impl<'a> Growth<'a> {
     }
 
     fn sprout(&mut self, shoots: &[Shoot], monitor: &dyn Monitor) -> Result<(), SelfOrganizingError> {
+        let bole = f64::from(self.nodes.bole(self.settings));
         for (number, shoot) in shoots.iter().enumerate() {
             if number % 1024 == 0 {
                 monitor.check()?;
             }
             let first = self.nodes.len() as u32;
-            let grown = shoot.grow(&self.nodes, first, self.year, self.settings);
+            let grown = shoot.grow(&self.nodes, first, self.year, bole, self.settings);
             let node = shoot.node as usize;
             match shoot.bud {
                 None => self.nodes.flags[node] &= !APEX,

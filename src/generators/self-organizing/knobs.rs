@@ -331,7 +331,10 @@ impl SelfOrganizing {
             "m",
             "height below which no branch grows: browsed by cattle, or pruned",
             bole_m,
-            details("Stems do: the first axis, and buds that grow as stems by reiteration."),
+            details(
+                "At most a third of the tree's height: crowns of young trees are raised bit by bit. Stems grow there: the \
+                 first axis, and buds that grow as stems by reiteration."
+            ),
             see_also(&["shed", "max_order"])
         ),
         field!(

@@ -113,7 +113,7 @@ pub struct SelfOrganizing {
     pub shed_grace: u32,
     /// Years in a row for which a branch must be too dark.
     pub shed_patience: u32,
-    /// Height below which no branch grows, metres: browsed or pruned; stems do.
+    /// Height below which no branch grows, metres, up to a third of the tree's: browsed or pruned. Stems do.
     pub bole_m: f64,
     /// Diameter of the last internodes, metres.
     pub twig_diameter_m: f64,

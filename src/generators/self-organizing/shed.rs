@@ -15,8 +15,11 @@ use crate::tree::{LATERAL, Nodes, SHED};
 /// got is lost. Its tips stay in the pipes of the node that bore it.
 ///
 /// Where several trees stand, one without any light falls, its foot included.
+///
+/// A branch that begins below the bole's height is cut off whatever its light.
 pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32) -> usize {
-    if settings.shed == 0.0 {
+    let bole = nodes.bole(settings);
+    if settings.shed == 0.0 && bole == 0.0 {
         return 0;
     }
     let is_stand = nodes.parents.iter().filter(|&&parent| parent == NO_PARENT).nth(1).is_some();
@@ -24,7 +27,7 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
     let mut pipes = Vec::new();
     for node in 0..nodes.len() {
         if nodes.is_foot(node) {
-            if is_stand && sums.total(node) == 0 {
+            if is_stand && sums.total(node) == 0 && settings.shed > 0.0 {
                 nodes.flags[node] |= SHED;
                 count += 1;
             }
@@ -36,16 +39,11 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
             count += 1;
             continue;
         }
-        if !nodes.is(node, LATERAL) || year - nodes.year(node) <= settings.shed_grace {
+        if !nodes.is(node, LATERAL) {
             continue;
         }
-        let light = sums.total(node) as f64 / f64::from(FULL_LIGHT);
-        if light >= settings.shed * f64::from(sums.internodes[node]) {
-            nodes.dark_years[node] = 0;
-            continue;
-        }
-        nodes.dark_years[node] = nodes.dark_years[node].saturating_add(1);
-        if u32::from(nodes.dark_years[node]) >= settings.shed_patience {
+        let is_cut = nodes.orders[node] > 0 && nodes.places[parent].y < bole;
+        if is_cut || is_too_dark(nodes, node, sums, settings, year) {
             if pipes.is_empty() {
                 pipes = nodes.pipes();
             }
@@ -55,6 +53,17 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
         }
     }
     count
+}
+
+/// Counts the years in which a branch gets too little light; whether they were enough.
+fn is_too_dark(nodes: &mut Nodes, node: usize, sums: &Sums, settings: &SelfOrganizing, year: u32) -> bool {
+    if settings.shed == 0.0 || year - nodes.year(node) <= settings.shed_grace {
+        return false;
+    }
+    let light = sums.total(node) as f64 / f64::from(FULL_LIGHT);
+    let is_dark = light < settings.shed * f64::from(sums.internodes[node]);
+    nodes.dark_years[node] = if is_dark { nodes.dark_years[node].saturating_add(1) } else { 0 };
+    is_dark && u32::from(nodes.dark_years[node]) >= settings.shed_patience
 }
 
 #[cfg(test)]

@@ -38,10 +38,16 @@ impl Shoot {
     /// The nodes of the shoot, the first on its bud's node, each on the one before; `first` is the number that the
     /// first will have. Fewer where it meets the ground, or, in a
     /// branch, what grazes below the bole's height.
-    pub fn grow(&self, nodes: &Nodes, first: u32, year: u32, settings: &SelfOrganizing) -> Vec<Node> {
+    pub fn grow(
+        &self,
+        nodes: &Nodes,
+        first: u32,
+        year: u32,
+        bole: f64,
+        settings: &SelfOrganizing,
+    ) -> Vec<Node> {
         let mut last = self.bud_of(nodes, year, settings);
         let mut grown = Vec::with_capacity(self.internodes as usize);
-        let bole = settings.bole_m / settings.internode_m;
         for i in 0..self.internodes {
             let is_end = i + 1 == self.internodes;
             let is_first = i == 0;

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 use linden_base::random::Key;
 use linden_skeleton::NO_PARENT;
 
+use crate::SelfOrganizing;
 use crate::light::Voxel;
 
 /// The most lateral buds at a node.
@@ -103,6 +104,16 @@ impl Nodes {
     pub fn voxel(&self, node: usize) -> Voxel {
         // Rounded down; `floor` is a call on machines without SSE 4.1.
         self.places[node].to_array().map(|v| (v as i32).saturating_sub(i32::from(v < (v as i32) as f32)))
+    }
+
+    /// The height below which no branch grows, in internodes: that of the bole, but at most a third of the tallest
+    /// tree's, as crowns of young trees are raised.
+    pub fn bole(&self, settings: &SelfOrganizing) -> f32 {
+        if settings.bole_m == 0.0 {
+            return 0.0;
+        }
+        let tallest = self.places.iter().map(|place| place.y).fold(0.0, f32::max);
+        ((settings.bole_m / settings.internode_m) as f32).min(tallest / 3.0)
     }
 
     /// Takes out what is [`SHED`], keeping the order.
