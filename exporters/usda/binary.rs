@@ -7,7 +7,7 @@ use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
 use super::payload::{self, Split};
-use super::{COLLISION, MOST, OPTIONS, estimate, plant, write_beside, write_layer};
+use super::{COLLISION, MOST, OPTIONS, estimate, flavored, plant, write_beside, write_layer};
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
@@ -77,6 +77,7 @@ pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
         .with_switch("pictures", names.has("UsdUVTexture"))
         .with_switch("skeleton", names.has("BasisCurves"))
         .with_switch("proxy", names.has(plant::PROXY_PRIM));
+    let traces = flavored(traces, format, names.has(plant::LABELS));
     let is_told = |(shapes, most): &(&str, &str)| {
         let mut options = Options::new(format);
         options.set(COLLISION.knob.name, shapes).and_then(|()| options.set(MOST.knob.name, most)).is_ok()

@@ -360,7 +360,7 @@ impl Exporter for Usdz {
         package::first(file, in_layer)
     }
 
-    /// The layer is stored as it is, and what `flavor=ar` leaves out is what the other options do.
+    /// The layer is stored as it is.
     fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
         if let Some(names) = binary_names(file)? {
             return Ok(binary::traces(&PACKAGE, &names).with("layer", "binary"));
@@ -422,6 +422,11 @@ fn is_binary(options: &Options) -> bool {
     options.is_word("layer", "binary")
 }
 
+/// Whether a package is for phones: such a one has no labels.
+fn flavored(traces: Traces, format: &Format, has_labels: bool) -> Traces {
+    if format.id == PACKAGE.id && !has_labels { traces.with("flavor", "ar") } else { traces }
+}
+
 fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Traces> {
     if let Some(literal) = traces::behind(file, payload::TOLD_TRACE)? {
         let told = recipe::text(&literal).and_then(|literal| unquoted(&literal)).unwrap_or_default();
@@ -437,13 +442,14 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             collision::PRIM_TRACE,
             plant::PROXY_TRACE,
             assembly::COVER_TRACE,
+            plant::LABELS_TRACE,
             "def PointInstancer ",
             "def Camera ",
             "variantSet \"season\"",
             assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, collision, proxy, _, instances, camera, seasons, _] = seen?;
+    let [pictures, materialx, skeleton, collision, proxy, _, labels, instances, camera, seasons, _] = seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
     let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
@@ -453,6 +459,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         .with_switch("skeleton", skeleton)
         .with_switch("instances", instances)
         .with_switch("proxy", proxy);
+    let traces = flavored(traces, format, labels);
     let shapes = if collision { traces::behind(file, collision::TOLD_TRACE)? } else { None };
     let shapes = shapes.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let traces = match shapes.as_deref().and_then(|told| told.split_once(' ')) {

@@ -33,6 +33,9 @@ pub(super) struct Head<'a> {
     pub is_labelled: bool,
 }
 
+/// The attribute of labels, and how the line begins that has it.
+pub(super) const LABELS: &str = "semantics:labels:class";
+pub(super) const LABELS_TRACE: &str = "token[] semantics:labels:class = ";
 /// The scope of what viewports draw, and how the line begins that has it.
 const PROXY: &str = "Proxy";
 pub(super) const PROXY_TRACE: &str = "def Scope \"Proxy\"";
@@ -120,7 +123,7 @@ impl Head<'_> {
             layer.lines(&format!("float3[] extentsHint = [{min}, {max}]"))?;
         }
         if self.is_labelled {
-            layer.lines(&format!("token[] semantics:labels:class = [\"{CLASS}\", {name}]"))?;
+            layer.lines(&format!("{LABELS_TRACE}[\"{CLASS}\", {name}]"))?;
         }
         layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}\n\n"))
     }
