@@ -27,7 +27,7 @@ pub struct NamedPicture<'a> {
     pub is_normal: bool,
     /// What its file is.
     pub format: PictureFormat,
-    /// Whether its file has channels in steps of [`STEP`] around the middle: of directions, a third fewer bytes, none
+    /// Whether its file has channels in steps of 3 around the middle: of directions, a third fewer bytes, none
     /// bent by as much as a degree.
     pub is_rounded: bool,
 }
