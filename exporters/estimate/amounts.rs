@@ -42,6 +42,8 @@ pub struct Amounts {
     pub recipe_bytes: u64,
     /// All pictures as PNG files.
     pub picture_bytes: u64,
+    /// Those of them that nothing is cut out of: the bark's.
+    pub opaque_picture_bytes: u64,
     /// Materials of the foliage; the bark's is one more.
     pub foliage_materials: u64,
     /// What the meshes say about the wind.

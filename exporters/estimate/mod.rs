@@ -199,7 +199,8 @@ impl Estimate {
             }
             LooksIn::One => {
                 let all = self.levels.iter().copied().fold(LevelAmounts::default(), LevelAmounts::and);
-                let amounts = self.amounts(all, self.picture_bytes(&self.levels) + self.billboard_bytes);
+                let pictures = self.picture_bytes(&self.levels) + self.billboard_bytes;
+                let amounts = self.amounts(all, pictures, self.bark_bytes);
                 estimate(&amounts, options) + LEVEL_BYTES * (self.level_count() as u64).saturating_sub(1)
             }
             LooksIn::Nothing => estimate(&self.level_amounts(0), options),
@@ -214,8 +215,8 @@ impl Estimate {
     /// What a level alone amounts to; beyond those of triangles, the billboard.
     fn level_amounts(&self, level: usize) -> Amounts {
         match self.levels.get(level) {
-            Some(&amounts) => self.amounts(amounts, self.picture_bytes(&[amounts])),
-            None => self.amounts(LevelAmounts::default(), self.billboard_bytes),
+            Some(&amounts) => self.amounts(amounts, self.picture_bytes(&[amounts]), self.bark_bytes),
+            None => self.amounts(LevelAmounts::default(), self.billboard_bytes, 0),
         }
     }
 
@@ -231,7 +232,7 @@ impl Estimate {
         self.bark_bytes + leaves + if any(true) { self.card_bytes } else { 0 }
     }
 
-    fn amounts(&self, level: LevelAmounts, picture_bytes: u64) -> Amounts {
+    fn amounts(&self, level: LevelAmounts, picture_bytes: u64, opaque_picture_bytes: u64) -> Amounts {
         Amounts {
             vertices: level.vertices,
             triangles: level.triangles,
@@ -243,6 +244,7 @@ impl Estimate {
             axes: self.axes,
             recipe_bytes: self.recipe_bytes,
             picture_bytes,
+            opaque_picture_bytes,
             foliage_materials: self.foliage_materials,
             wind: self.wind,
             saved: level.instanced,
