@@ -101,16 +101,18 @@ impl Exporter for Qsm {
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
         let trees = validate::trees(stage, monitor)?;
+        let dialect = match options.value("dialect") {
+            Some(Value::Word(word)) => Dialect::of(word),
+            _ => None,
+        };
         let more = trees.iter().map(|(_, scene)| {
             let nodes = scene.skeleton.positions.len();
             // Rows are longer than most records.
-            let text = records::bytes(nodes) * 3 / 2 + Sheet::bytes(nodes);
+            let text = records::bytes(nodes) * 3 / 2 + dialect.map_or(0, |_| Sheet::bytes(nodes));
             Forks::bytes_for(&scene.skeleton) + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text
         });
         memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
-        if let Some(Value::Word(word)) = options.value("dialect")
-            && let Some(dialect) = Dialect::of(word)
-        {
+        if let Some(dialect) = dialect {
             return write_dialect(dialect, stage, &trees, options, bundle, monitor);
         }
         let mut head = String::new();
