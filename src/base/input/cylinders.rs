@@ -37,18 +37,6 @@ pub enum CylinderDialect {
 }
 
 impl CylinderDialect {
-    /// What people call it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Linden => "linden",
-            Self::SimpleForest => "SimpleForest",
-            Self::Rtwig => "rTwig",
-            Self::Archi => "aRchi",
-            Self::TreeQsm => "TreeQSM",
-            Self::Raycloudtools => "raycloudtools",
-        }
-    }
-
     /// Which way is up in it.
     pub const fn up(self) -> Up {
         if matches!(self, Self::Linden) { Up::Y } else { Up::Z }

@@ -119,7 +119,8 @@ impl Input {
     }
 
     /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX), a table of cylinders or a
-    /// picture (PNG, JPEG, WebP, TGA). The file's name decides only where its content does not: between two kinds, and that it is TGA.
+    /// picture (PNG, JPEG, WebP, TGA). The file's name decides only where its content does not: between two kinds, and that
+    /// it is TGA.
     ///
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.

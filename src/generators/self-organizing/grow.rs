@@ -123,11 +123,12 @@ impl<'a> Growth<'a> {
         self.light.begin(&self.nodes, self.year, monitor)?;
         let sums = Sums::new(&self.nodes, &self.light);
         let shares = Shares::new(&self.nodes, &sums, self.settings, self.year);
-        let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year);
+        let bole = self.nodes.bole(self.settings);
+        let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year, bole);
         let shoots = self.shoots(&shares);
         self.admit(&shoots, shed_nodes, monitor)?;
         let old = self.nodes.len();
-        self.sprout(&shoots, monitor)?;
+        self.sprout(&shoots, bole.into(), monitor)?;
         let shed = (0..old).filter(|&node| self.nodes.is(node, SHED) && !self.nodes.is_foot(node));
         let change = |node, is_gone| Change { voxel: self.nodes.voxel(node), is_gone };
         let mut changes: Vec<Change> = shed.map(|node| change(node, true)).collect();
@@ -194,8 +195,12 @@ impl<'a> Growth<'a> {
         Ok(monitor.admit(DOING, bytes, ADVICE)?)
     }
 
-    fn sprout(&mut self, shoots: &[Shoot], monitor: &dyn Monitor) -> Result<(), SelfOrganizingError> {
-        let bole = f64::from(self.nodes.bole(self.settings));
+    fn sprout(
+        &mut self,
+        shoots: &[Shoot],
+        bole: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
         for (number, shoot) in shoots.iter().enumerate() {
             if number % 1024 == 0 {
                 monitor.check()?;

@@ -7,7 +7,7 @@ use linden_base::monitor::Monitor;
 use crate::shadow::{Change, Shadow};
 use crate::sky::Sky;
 use crate::tree::Nodes;
-use crate::{LightModel, SelfOrganizing};
+use crate::{LightModel, SelfOrganizing, SelfOrganizingError};
 
 /// The light of an open place, in whole parts: sums are the same in any order.
 pub(crate) const FULL_LIGHT: u32 = 1 << 16;
@@ -33,8 +33,13 @@ impl Light {
     /// A year begins: what is worked out from all nodes is.
     ///
     /// # Errors
-    /// [`OverMemory`].
-    pub fn begin(&mut self, nodes: &Nodes, year: u32, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+    /// [`SelfOrganizingError`]: too little memory, cancelled.
+    pub fn begin(
+        &mut self,
+        nodes: &Nodes,
+        year: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
         match self {
             Self::Shadow(_) => Ok(()),
             Self::Sky(sky) => sky.shine(nodes, year, monitor),
@@ -82,5 +87,22 @@ impl Light {
             Self::Shadow(shadow) => shadow,
             Self::Sky(_) => panic!("light comes from the sky"),
         }
+    }
+}
+
+/// A monitor of a machine with little memory.
+#[cfg(test)]
+pub(crate) struct Small;
+
+#[cfg(test)]
+impl Monitor for Small {
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
+    fn advance(&self, _: linden_base::monitor::Phase, _: u64, _: Option<u64>) {}
+
+    fn memory_limit(&self) -> u64 {
+        100_000
     }
 }

@@ -348,7 +348,7 @@ impl LightGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linden_base::monitor::{Cancelled, Phase};
+    use crate::light::Small;
     use linden_base::random::Key;
 
     const UP: [f64; 3] = [0.0, 1.0, 0.0];
@@ -417,19 +417,6 @@ mod tests {
 
     #[test]
     fn without_memory_it_says_so() {
-        struct Small;
-        impl Monitor for Small {
-            fn is_cancelled(&self) -> bool {
-                false
-            }
-            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
-            fn check(&self) -> Result<(), Cancelled> {
-                Ok(())
-            }
-            fn memory_limit(&self) -> u64 {
-                100_000
-            }
-        }
         let refused =
             LightGrid::default().add([0, 9, 0], &Pyramid::new(0.1, 1.5, 5, UP), &Small).unwrap_err();
         assert!(refused.to_string().contains("raise internode"), "{refused}");

@@ -16,9 +16,8 @@ use crate::tree::{LATERAL, Nodes, SHED};
 ///
 /// Where several trees stand, one without any light falls, its foot included.
 ///
-/// A branch that begins below the bole's height is cut off whatever its light.
-pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32) -> usize {
-    let bole = nodes.bole(settings);
+/// A branch that begins below the height of the bole, in internodes, is cut off whatever its light.
+pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> usize {
     if settings.shed == 0.0 && bole == 0.0 {
         return 0;
     }
@@ -99,7 +98,7 @@ mod tests {
                 internodes: vec![2, 2, 1],
                 ..Sums::default()
             };
-            (shed(&mut nodes, &sums, settings, year) > 0).then(|| {
+            (shed(&mut nodes, &sums, settings, year, 0.0) > 0).then(|| {
                 assert!(nodes.is(2, SHED) && !nodes.is(1, SHED));
                 assert_eq!(nodes.shed_tips, [0, 1, 0]);
                 year

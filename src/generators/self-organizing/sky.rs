@@ -3,20 +3,20 @@
 //! Beer and Lambert's law on a grid: of the light from a direction, `exp(−depth)` passes leaves of that optical depth
 //! (Monsi & Saeki 1953). The sky has 25 directions in four rings; paths go from voxel to voxel, so that what lies on
 //! them is a whole number of leafy nodes, the same in any order. Shade has no end, as the pyramids of
-//! [`light`](crate::light) have: a crown is lit from outside, and no storeys form in it.
+//! [`shadow`](crate::shadow) have: a crown is lit from outside, and no storeys form in it.
 
 use glam::DVec3;
-use linden_base::memory::{OverMemory, bytes_of};
-use linden_base::monitor::Monitor;
+use linden_base::memory::bytes_of;
+use linden_base::monitor::{Cancelled, Monitor};
 
-use crate::SelfOrganizing;
 use crate::light::{FULL_LIGHT, Voxel};
 use crate::tree::Nodes;
+use crate::{SelfOrganizing, SelfOrganizingError};
 
 /// The edge of a voxel, internodes.
 const EDGE: i32 = 2;
-/// The deepest table of what passes, half nodes.
-const MOST_HALVES: f64 = 65_536.0;
+/// The longest table of what passes, half nodes.
+const MOST_HALVES: u32 = 1 << 16;
 
 const DOING: &str = "keeping the light of a growing tree";
 const ADVICE: &str = "lower years or vigor, or raise internode";
@@ -78,7 +78,7 @@ fn directions(light_from: [f64; 3]) -> Vec<Direction> {
 #[derive(Clone, Debug)]
 pub(crate) struct Sky {
     directions: Vec<Direction>,
-    /// For each direction, what passes so many half nodes, of [`FULL_LIGHT`]; past its end, none does.
+    /// For each direction, what passes so many half nodes, of [`FULL_LIGHT`]; more of them let pass what the last ones do.
     passing: Vec<Vec<u32>>,
     leaf_years: u32,
     /// The least leafy voxel, and how many there are along x, y and z.
@@ -114,8 +114,12 @@ impl Sky {
             let depth = settings.shade / direction.towards.y / f64::from(2 * EDGE * EDGE);
             let passing =
                 |halves: f64| libm::round(f64::from(FULL_LIGHT) * libm::exp(-depth * halves)) as u32;
-            let halves = (0..MOST_HALVES as u32).map(f64::from);
-            halves.map(passing).take_while(|&light| light > 0).collect()
+            let mut passing: Vec<u32> =
+                (0..MOST_HALVES).map(f64::from).map(passing).take_while(|&light| light > 0).collect();
+            if passing.len() < MOST_HALVES as usize {
+                passing.push(0);
+            }
+            passing
         };
         let passing = directions.iter().map(passing).collect();
         let (low, size) = ([0; 3], [0; 3]);
@@ -126,8 +130,13 @@ impl Sky {
     /// Works the light of all voxels out, as it is at the beginning of a year.
     ///
     /// # Errors
-    /// [`OverMemory`].
-    pub fn shine(&mut self, nodes: &Nodes, year: u32, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+    /// [`SelfOrganizingError`]: too little memory, cancelled.
+    pub fn shine(
+        &mut self,
+        nodes: &Nodes,
+        year: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
         let is_leafy = |&node: &usize| !nodes.is_foot(node) && year - nodes.year(node) <= self.leaf_years;
         let voxels: Vec<Voxel> = (0..nodes.len()).filter(is_leafy).map(|node| voxel(nodes, node)).collect();
         let Some(&first) = voxels.first() else {
@@ -158,17 +167,17 @@ impl Sky {
                 self.leafy[slot] += 1;
             }
         }
-        self.shine_down();
-        Ok(())
+        Ok(self.shine_down(monitor)?)
     }
 
     /// From the highest level down: a path of a direction goes on with what it had in the level above.
-    fn shine_down(&mut self) {
+    fn shine_down(&mut self, monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let [wide, tall, deep] = self.size;
         let level = wide * deep;
         let mut above = vec![vec![0_u32; level]; self.directions.len()];
         let mut here = vec![0_u32; level];
         for y in (0..tall).rev() {
+            monitor.check()?;
             let (leafy, lit) = (&self.leafy, &mut self.lit[y * level..][..level]);
             let is_even = (self.low[1] + y as i32) % 2 == 0;
             for ((direction, passing), above) in self.directions.iter().zip(&self.passing).zip(&mut above) {
@@ -193,7 +202,7 @@ impl Sky {
                         here[slot] = halves;
                         // What is beside a node shades it as from halfway through its voxel.
                         let beside = leafy[y * level + slot].saturating_sub(1);
-                        let passes = passing.get((halves + beside) as usize).copied().unwrap_or(0);
+                        let passes = passing[((halves + beside) as usize).min(passing.len() - 1)];
                         let lit = &mut lit[slot];
                         lit.light += ((u64::from(passes) * u64::from(direction.weight)) >> 16) as u32;
                         let bright = passes as f32 / FULL_LIGHT as f32;
@@ -205,6 +214,7 @@ impl Sky {
                 std::mem::swap(above, &mut here);
             }
         }
+        Ok(())
     }
 
     /// The light of a bud at a node, of [`FULL_LIGHT`].
@@ -236,8 +246,9 @@ impl Sky {
 mod tests {
     use super::*;
     use crate::LightModel;
+    use crate::light::Small;
     use crate::tree::{Node, PARTS};
-    use linden_base::monitor::{Cancelled, Phase, Quiet};
+    use linden_base::monitor::Quiet;
     use linden_base::random::Key;
     use linden_skeleton::NO_PARENT;
 
@@ -338,6 +349,14 @@ mod tests {
     }
 
     #[test]
+    fn leaves_that_take_hardly_anything_darken_nothing() {
+        let many =
+            nodes((0..40_000).map(|_| DVec3::new(0.5, 9.0, 0.5)).chain([DVec3::new(0.5, 2.0, 0.5)]), 1);
+        let sky = shone(&many, &SelfOrganizing { shade: 1e-9, ..settings() });
+        assert!(FULL_LIGHT - sky.light(&many, 40_001) < 40, "{}", sky.light(&many, 40_001));
+    }
+
+    #[test]
     fn leaves_fall_and_those_on_one_side_leave_the_other_brighter() {
         let wall = (0..20).flat_map(|y| (-20..20).map(move |z| DVec3::new(4.5, f64::from(y), f64::from(z))));
         let places: Vec<DVec3> = std::iter::once(DVec3::new(0.5, 2.0, 0.5)).chain(wall).collect();
@@ -356,19 +375,6 @@ mod tests {
 
     #[test]
     fn without_memory_it_says_so() {
-        struct Small;
-        impl Monitor for Small {
-            fn is_cancelled(&self) -> bool {
-                false
-            }
-            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
-            fn check(&self) -> Result<(), Cancelled> {
-                Ok(())
-            }
-            fn memory_limit(&self) -> u64 {
-                100_000
-            }
-        }
         let far = nodes([DVec3::new(0.5, 90.0, 0.5), DVec3::new(200.0, 9.0, 200.0)], 1);
         let refused = Sky::new(&settings()).shine(&far, 2, &Small).unwrap_err();
         assert!(refused.to_string().contains("raise internode"), "{refused}");
