@@ -14,9 +14,15 @@ fn at_all_sizes(make: impl Fn(Bench) -> Bench) -> String {
     let mut text = String::new();
     for (columns, rows) in SIZES {
         let bench = make(Bench::new(columns, rows));
-        let _ = write!(text, "{columns}×{rows}\n{}\n", bench.screen());
+        let _ = write!(text, "{columns}×{rows}\n{}\n", uncounted(&bench));
     }
     text
+}
+
+/// The screen without the number of presets: one more is not another view.
+fn uncounted(bench: &Bench) -> String {
+    let count = bench.model.library.len().to_string();
+    bench.screen().replace(&format!("of {count} ─"), &format!("of {} ─", "N".repeat(count.len())))
 }
 
 /// The same with a tree and some keys.
