@@ -27,7 +27,7 @@ const TURNED: [(&str, &[(&str, &str)]); 12] = [
     ("oak", &[("lods", "4"), ("billboard", "2")]),
     ("oak", &[("triangles", "60000")]),
     ("oak", &[("wind", "sway")]),
-    ("beech", &[("points", "50000"), ("leaves_per_m", "90")]),
+    ("drawn-beech", &[("points", "50000"), ("leaves_per_m", "90")]),
     ("umbrella-thorn", &[("points", "20000"), ("seed", "3")]),
 ];
 

@@ -5,7 +5,7 @@ use crate::program::{Folder, linden};
 
 /// Plants of both generators.
 const PLANTS: [(&str, &str); 4] = [
-    ("silver-birch", "lsystem"),
+    ("weeping-birch", "lsystem"),
     ("dressed-honda-a", "lsystem"),
     ("oak", "colonization"),
     ("dressed-fir", "colonization"),

@@ -33,7 +33,7 @@ fn topology_follows_from_parents_and_relations() {
         "abop-honda-b",
         "abop-ternary-b",
         "older-shrub",
-        "silver-birch",
+        "weeping-birch",
     ] {
         let skeleton = grow(&recipe(builtin(id).unwrap()), &Quiet).unwrap().skeleton;
         let scene = linden::scene::Scene { skeleton: skeleton.clone(), ..scene(3, 5) };

@@ -21,7 +21,7 @@ fn dressed(subject: &Subject, grown: &Grown) -> Vec<Level> {
 
 #[test]
 fn pieces_hang_together_and_hold_every_organ_once() {
-    for id in ["hazel", "ash", "abop-bush"] {
+    for id in ["hazel", "drawn-ash", "abop-bush"] {
         let (subject, grown) = subject(id, &[]);
         let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
         let mut before = usize::MAX;
@@ -117,7 +117,7 @@ fn a_tree_of_cards_covers_what_the_tree_covers() {
 
 #[test]
 fn levels_share_one_picture_and_each_card_shows_a_part_of_its_own() {
-    let (subject, grown) = subject("ash", &[("triangles", "20000"), ("lods", "3"), ("card_size", "512")]);
+    let (subject, grown) = subject("drawn-ash", &[("triangles", "20000"), ("lods", "3"), ("card_size", "512")]);
     let levels = dressed(&subject, &grown);
     let pictures: Vec<_> = levels
         .iter()
