@@ -48,6 +48,10 @@ pub struct Amounts {
     pub foliage_materials: u64,
     /// What the meshes say about the wind.
     pub wind: Wind,
+    /// Joints that turn in the wind.
+    pub joints: u64,
+    /// Frames of the loop in which they turn.
+    pub frames: u64,
     /// What [`Amounts::instanced`] leaves out.
     pub(super) saved: Instanced,
 }
@@ -68,7 +72,12 @@ impl Amounts {
 
     /// Vectors of four numbers that tell each vertex how it moves in the wind.
     pub fn wind_vectors(&self) -> u64 {
-        if self.wind == Wind::Off { 0 } else { 2 * self.vertices }
+        if matches!(self.wind, Wind::Off | Wind::Bones) { 0 } else { 2 * self.vertices }
+    }
+
+    /// Vertices that are bound to joints.
+    pub fn bound_vertices(&self) -> u64 {
+        if self.wind == Wind::Bones { self.vertices } else { 0 }
     }
 
     /// Vectors of three numbers in all morph targets: leaves have each motion, wood all but those of leaves.

@@ -15,9 +15,9 @@ use linden_pipeline::grow::Grown;
 use linden_pipeline::monitor::{Cancelled, Monitor};
 use linden_pipeline::provenance::TreeHash;
 use linden_pipeline::recipe::Recipe;
-use linden_pipeline::settings::Dressing;
+use linden_pipeline::settings::{Dressing, WindSettings};
 use linden_pipeline::surface::{self, Junction, SurfaceError, Tubes};
-use linden_pipeline::wind::Wind;
+use linden_pipeline::wind::{Sway, Wind, most_joints};
 
 use self::level::{Instanced, LevelAmounts};
 use self::pictures::{bark_bytes, billboard_bytes, card_bytes, file_bytes, leaf_picture_bytes};
@@ -47,6 +47,9 @@ pub struct Estimate {
     /// Those of the billboard.
     billboard_bytes: u64,
     wind: Wind,
+    /// That turn, and in how many frames.
+    joints: u64,
+    frames: u64,
     /// Without a budget.
     all_triangles: u64,
     /// Of leaves.
@@ -107,7 +110,11 @@ impl Estimate {
             (of_leaves(foliage_vertices), of_leaves(foliage_triangles));
         let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let organs = &grown.organs;
-        let wind = recipe.preset.dressing.wind.wind;
+        let WindSettings { wind, blow, bones } = recipe.preset.dressing.wind;
+        let (joints, frames) = match wind {
+            Wind::Bones => (most_joints(skeleton, &bones).into(), Sway::new(&blow).frames().into()),
+            _ => (0, 0),
+        };
         let tinted = (0..organs.len()).filter(|&i| organs.color(i).is_none());
         let colors: BTreeSet<u64> = tinted.map(|i| last.min(organs.growth(i).color.into())).collect();
         let kinds: BTreeSet<u8> = organs.shapes.iter().map(|shape| shape.kind).collect();
@@ -155,6 +162,8 @@ impl Estimate {
             card_bytes: card_bytes(detail.card_size_px),
             billboard_bytes: billboard_bytes(detail),
             wind,
+            joints,
+            frames,
             all_triangles: all.triangles,
             kinds,
         })
@@ -247,6 +256,8 @@ impl Estimate {
             opaque_picture_bytes,
             foliage_materials: self.foliage_materials,
             wind: self.wind,
+            joints: self.joints,
+            frames: self.frames,
             saved: level.instanced,
         }
     }

@@ -117,13 +117,14 @@ fn estimates_are_near_the_real_files() {
 
 #[test]
 fn budgets_levels_and_wind_are_estimated_too() {
-    let cases: [&[(&str, &str)]; 6] = [
+    let cases: [&[(&str, &str)]; 7] = [
         &[("triangles", "12000")],
         &[("lods", "3"), ("triangles", "20000")],
         &[("lods", "2"), ("lod_ratio", "0.6"), ("billboard", "2"), ("triangles", "9000")],
         &[("billboard", "3"), ("billboard_size", "256"), ("triangles", "20000")],
         &[("wind", "attributes"), ("triangles", "15000")],
         &[("wind", "sway"), ("lods", "2"), ("triangles", "20000")],
+        &[("wind", "bones"), ("lods", "2"), ("triangles", "20000")],
     ];
     let all = ["oak", "dressed-fir", "box"].into_iter().flat_map(|id| cases.map(|knobs| (id, knobs)));
     let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(id, knobs)| {

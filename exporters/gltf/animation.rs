@@ -1,17 +1,19 @@
-//! The animation `Wind`: the weights of morph targets over time.
+//! The animation `Wind`: the weights of morph targets over time, or the turns of joints.
 
 use linden_pipeline::wind::{Motion, Sway};
 
+use super::bones::{self, Rig};
 use super::buffer::Layout;
 use super::document::{Animation, AnimationSampler, Channel, ChannelTarget, Mesh, Node};
 use crate::writing::distinct::DistinctMeshes;
 
 /// The loop, if there is one: a channel for each node of a mesh with targets, a sampler for each loop and
-/// set of motions.
+/// set of motions; a channel for each joint that turns.
 pub(super) fn animation(
     distinct: &DistinctMeshes<'_>,
     meshes: &[Mesh],
     nodes: &[Node],
+    rigs: &[Rig],
     layout: &mut Layout,
 ) -> Option<Animation> {
     // A mesh has a primitive per piece, in the order of all pieces.
@@ -38,6 +40,7 @@ pub(super) fn animation(
         });
         animation.channels.push(Channel { sampler, target: ChannelTarget { node, path: "weights" } });
     }
+    bones::animate(distinct, rigs, layout, (&mut animation.channels, &mut animation.samplers));
     (!animation.channels.is_empty()).then_some(animation)
 }
 

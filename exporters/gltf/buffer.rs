@@ -77,6 +77,8 @@ impl PrimitiveArrays {
             color_0: self.wind.packed.map(|[motions, ..]| motions),
             texcoord_1: self.wind.packed.map(|[_, flat, _]| flat),
             texcoord_2: self.wind.packed.map(|[.., high]| high),
+            joints_0: self.wind.bindings.map(|[joints, _]| joints),
+            weights_0: self.wind.bindings.map(|[_, weights]| weights),
             wind: self.wind.attributes.map(|[wind, _]| wind),
             wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
         }
@@ -172,6 +174,13 @@ impl Layout {
     fn push_wind(&mut self, mesh: &Mesh, wind: &PartWind, motions: Vec<Motion>, pack: bool) -> WindArrays {
         let count = mesh.positions.len();
         let mut arrays = WindArrays::default();
+        if let Some(bones) = &wind.bones {
+            let (kind, stride) = wind::joint_type(bones);
+            self.push(count, "VEC4", kind, stride, ARRAY_BUFFER);
+            self.push_packed(count, "VEC4", ComponentType::U8, 4);
+            arrays.bindings = Some([self.accessors.len() - 2, self.accessors.len() - 1]);
+            return arrays;
+        }
         if pack {
             let first = self.accessors.len();
             self.push_packed(count, "VEC4", ComponentType::U8, 4);
@@ -205,6 +214,7 @@ impl Layout {
         self.items[buffer_view] = Some(Items { mode, stride: bytes, count });
         self.accessors.push(Accessor {
             buffer_view: Some(buffer_view),
+            byte_offset: 0,
             component_type: kind,
             normalized: false,
             count,
@@ -249,6 +259,7 @@ impl Layout {
         let zero = Some(vec![0.0; 3]);
         self.accessors.push(Accessor {
             buffer_view: None,
+            byte_offset: 0,
             component_type: ComponentType::F32,
             normalized: false,
             count,
@@ -266,6 +277,7 @@ impl Layout {
         self.items[view] = Some(Items { mode: Mode::Attributes, stride, count: vectors.len() });
         self.accessors.push(Accessor {
             buffer_view: Some(view),
+            byte_offset: 0,
             component_type: ComponentType::F32,
             normalized: false,
             count: vectors.len(),
@@ -276,6 +288,42 @@ impl Layout {
         self.accessors.len() - 1
     }
 
+    /// Turns of joints behind everything else, `count` of each; gives their accessors. In fewer bits where vertices are.
+    pub fn push_turns(
+        &mut self,
+        joints: impl Iterator<Item = impl Iterator<Item = [f32; 4]>>,
+        count: usize,
+    ) -> std::ops::Range<usize> {
+        let is_short = self.quanta.is_some();
+        let short = |x: f32| (libm::roundf(x.clamp(-1.0, 1.0) * f32::from(i16::MAX)) as i16).to_le_bytes();
+        let mut bytes = Vec::new();
+        for number in joints.flatten().flatten() {
+            if is_short {
+                bytes.extend(short(number));
+            } else {
+                bytes.extend(number.to_le_bytes());
+            }
+        }
+        let (component_type, stride) =
+            if is_short { (ComponentType::I16, 8) } else { (ComponentType::F32, 16) };
+        let turns = bytes.len() / stride;
+        let view = self.push_blob(bytes);
+        let items = Items { mode: Mode::Attributes, stride: stride as u64, count: turns };
+        self.items[view] = Some(items);
+        let first = self.accessors.len();
+        self.accessors.extend((0..turns / count.max(1)).map(|joint| Accessor {
+            buffer_view: Some(view),
+            byte_offset: (joint * count * stride) as u64,
+            component_type,
+            normalized: is_short,
+            count,
+            shape: "VEC4",
+            min: None,
+            max: None,
+        }));
+        first..self.accessors.len()
+    }
+
     /// Numbers behind everything else; gives their accessor.
     pub fn push_numbers(&mut self, numbers: &[f32], with_bounds: bool) -> usize {
         let view = self.push_blob(bytemuck::cast_slice(numbers).to_vec());
@@ -284,6 +332,7 @@ impl Layout {
         };
         self.accessors.push(Accessor {
             buffer_view: Some(view),
+            byte_offset: 0,
             component_type: ComponentType::F32,
             normalized: false,
             count: numbers.len(),
@@ -307,6 +356,7 @@ impl Layout {
         let view = self.push_blob(short.collect());
         self.accessors.push(Accessor {
             buffer_view: Some(view),
+            byte_offset: 0,
             component_type: ComponentType::U16,
             normalized: false,
             count: 3 * solid.triangles.len(),

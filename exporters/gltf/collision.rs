@@ -13,7 +13,7 @@ use super::document::{
     Attributes, BodyMotion, CapsuleShape, Collider, ConvexShape, Extras, Mesh, Node, NodeExtensions,
     PhysicsBody, Primitive, Shape,
 };
-use super::nodes::{SceneGraph, placed};
+use super::nodes::{SceneGraph, are_instances, placed};
 use crate::collision::{self, Capsule, Colliders, Solid};
 use crate::writing::distinct::DistinctMeshes;
 use crate::{Bundle, OptionSpec, Options};
@@ -30,7 +30,7 @@ pub(super) const EXTENSIONS: [&str; 2] = ["OMI_physics_body", "OMI_physics_shape
 
 /// Says what becomes of shapes that were asked for.
 pub(super) fn note(stage: &Stage<'_>, options: &Options, bundle: &mut Bundle) {
-    if collision::is_wanted(options) && options.is_on("instances") && !stage.is_single() {
+    if collision::is_wanted(options) && are_instances(stage, options) {
         bundle.note("collision is left out: trees that are instances have no nodes that could bear shapes");
     }
 }
@@ -43,7 +43,7 @@ pub(super) fn add(
     layout: &mut Layout,
     graph: &mut SceneGraph,
 ) -> Vec<Shape> {
-    if !collision::is_wanted(options) || options.is_on("instances") && !stage.is_single() {
+    if !collision::is_wanted(options) || are_instances(stage, options) {
         return Vec::new();
     }
     let mut shapes = Shapes { way: Way::of(options), list: Vec::new(), told: collision::told(options) };

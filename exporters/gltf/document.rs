@@ -33,6 +33,8 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub skins: Vec<Skin>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub animations: Vec<Animation>,
     pub accessors: Vec<Accessor>,
     pub buffer_views: Vec<BufferView>,
@@ -72,6 +74,8 @@ pub(super) struct Node {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -300,6 +304,10 @@ pub(super) struct Attributes {
     pub texcoord_1: Option<usize>,
     #[serde(rename = "TEXCOORD_2", skip_serializing_if = "Option::is_none")]
     pub texcoord_2: Option<usize>,
+    #[serde(rename = "JOINTS_0", skip_serializing_if = "Option::is_none")]
+    pub joints_0: Option<usize>,
+    #[serde(rename = "WEIGHTS_0", skip_serializing_if = "Option::is_none")]
+    pub weights_0: Option<usize>,
     #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
     pub wind: Option<usize>,
     #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]
@@ -465,6 +473,9 @@ pub(super) struct Accessor {
     /// None: all zero.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer_view: Option<usize>,
+    /// Where it begins in its view, where that is not at the beginning.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub byte_offset: u64,
     pub component_type: ComponentType,
     #[serde(skip_serializing_if = "is_false")]
     pub normalized: bool,
@@ -483,6 +494,7 @@ pub(super) struct Accessor {
 pub(super) enum ComponentType {
     I8 = 5120,
     U8 = 5121,
+    I16 = 5122,
     U16 = 5123,
     U32 = 5125,
     F32 = 5126,
@@ -555,7 +567,20 @@ pub(super) struct MorphTarget {
     pub position: usize,
 }
 
-/// A loop of morph targets' weights.
+/// Nodes that carry vertices with them.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub name: String,
+    /// The node that all joints hang on.
+    pub skeleton: usize,
+    /// Accessor.
+    pub inverse_bind_matrices: usize,
+    /// Nodes, in the order of the vertices' numbers.
+    pub joints: Vec<usize>,
+}
+
+/// A loop of morph targets' weights, or of the turns of joints.
 #[derive(Serialize)]
 pub(super) struct Animation {
     pub name: &'static str,
@@ -585,4 +610,9 @@ pub(super) struct AnimationSampler {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
 fn is_false(is_on: &bool) -> bool {
     !is_on
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_zero(offset: &u64) -> bool {
+    *offset == 0
 }

@@ -9,6 +9,11 @@ use crate::{Amounts, Encoding, Options};
 /// What meshopt leaves of wind. Set by estimate; three plants bear it out within 30 % (test).
 const PACKED_WIND: f64 = 0.5;
 
+/// What meshopt leaves of bindings.
+const PACKED_BINDINGS: f64 = 0.2;
+/// A joint's node and how it is animated, as JSON, and its matrix.
+const JOINT: u64 = 64 + 310;
+
 /// What JPEG colours and normals in steps leave of the bark's pictures: 0.51 to 0.55 at eight plants, 0.29 at a sunflower.
 const JPEG_OPAQUE: f64 = 0.52;
 /// What normals in steps leave of all others, whose colours stay PNG: 0.82 to 0.91 at the six of them with leaves.
@@ -38,18 +43,23 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     // Twelve bytes a vertex where they are packed, in place of two vectors of sixteen.
     let vector = if options.is_word("wind_as", "packed") { 6 } else { 16 };
     let moved = vector * amounts.wind_vectors() + 12 * amounts.target_vectors();
+    // What each vertex is bound to, and the turns of each joint: of four numbers, in halves with fewer bits.
+    let turns = amounts.joints * amounts.frames * if is_quantized { 8 } else { 16 };
+    let bound = 8 * amounts.bound_vertices();
     let buffer = if super::encoding(options) == Encoding::Packed {
         // Measured over the built-in presets.
         let (vertex, tangent) = if is_quantized { (9.0, 2.6) } else { (21.6, 9.6) };
         let whole = if is_quantized { 2.5 * plain as f64 } else { 0.0 };
         let tangents = tangent / 16.0 * tangents as f64;
         let meshes = vertex * vertices as f64 + whole + tangents + 2.1 * triangles as f64;
-        meshes as u64 + 34 * placements + (moved as f64 * PACKED_WIND) as u64
+        meshes as u64
+            + 34 * placements
+            + ((moved + turns) as f64 * PACKED_WIND + bound as f64 * PACKED_BINDINGS) as u64
     } else {
         let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };
         let of_vertices =
             if is_quantized { vertices * 16 + tangents / 4 + plain * 4 } else { vertices * 32 + tangents };
-        of_vertices + triangles * 3 * index + 40 * placements + moved
+        of_vertices + triangles * 3 * index + 40 * placements + moved + turns + bound
     };
     let shapes = collision::expected(amounts.axes, options);
     // As nodes, or as meshes of 34 points and 64 triangles each.
@@ -57,5 +67,5 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let buffer = buffer + pictures + shapes;
     // As base64.
     let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
-    buffer + amounts.recipe_bytes + 1700 + 900 * amounts.foliage_materials
+    buffer + JOINT * amounts.joints + amounts.recipe_bytes + 1700 + 900 * amounts.foliage_materials
 }

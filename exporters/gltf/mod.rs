@@ -6,6 +6,7 @@
 //! Parts with a normal picture carry TANGENTs: see [`tangents`].
 
 mod animation;
+mod bones;
 mod buffer;
 mod byte_sink;
 mod collision;
@@ -410,19 +411,21 @@ fn document(
         .iter()
         .any(|material| material.extensions.as_ref().is_some_and(|all| all.diffuse_transmission.is_some()));
     let mut standing = Standing::default();
+    standing.binds = bones::lay_out(distinct, layout);
     if options.is_on("instances") {
-        if !stage.is_single() {
+        if nodes::are_instances(stage, options) {
             standing.plants = nodes::lay_out_instances(stage, layout);
         }
         standing.pieces = nodes::lay_out_copies(distinct, layout);
     }
     let mut graph = nodes::nodes(stage, distinct, layout, &standing, options.is_word("lods", "siblings"));
     let shapes = collision::add(stage, distinct, options, layout, &mut graph);
-    let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } = graph;
+    let SceneGraph { nodes, roots, meshes, skins, rigs, cameras, lights, mut extensions, mut required } =
+        graph;
     if has_translucent {
         extensions.push(DIFFUSE_TRANSMISSION);
     }
-    let animation = animation::animation(distinct, &meshes, &nodes, layout);
+    let animation = animation::animation(distinct, &meshes, &nodes, &rigs, layout);
     if options.is_word("compress", "meshopt") {
         let bytes = stage.bytes() + layout.compressing_bytes();
         monitor.admit("compressing the meshes", bytes, "write without compress, or with quantize")?;
@@ -472,6 +475,7 @@ fn document(
         textures,
         images: images.collect(),
         samplers: wraps.into_iter().map(Sampler::new).collect(),
+        skins,
         animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),

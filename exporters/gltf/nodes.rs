@@ -6,15 +6,19 @@
 use glam::Vec3;
 use linden_pipeline::foliage::Placement;
 use linden_pipeline::stage::{Place, Stage};
+use linden_pipeline::wind::Bones;
 
+use super::bones::{self, Rig};
 use super::buffer::{Layout, PrimitiveArrays};
 use super::document::{
     Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, MorphTarget, Node, NodeExtensions,
-    Primitive,
+    Primitive, Skin,
 };
 use super::quantize::{self, Cube};
 use super::{recipe, setting};
+use crate::Options;
 use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
+use crate::writing::has_bones;
 
 /// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
@@ -22,6 +26,9 @@ pub(super) struct SceneGraph {
     /// Those that no other node carries.
     pub roots: Vec<usize>,
     pub meshes: Vec<Mesh>,
+    pub skins: Vec<Skin>,
+    /// The trees that have joints.
+    pub rigs: Vec<Rig>,
     pub cameras: Vec<Camera>,
     pub lights: Option<Vec<Light>>,
     pub extensions: Vec<&'static str>,
@@ -31,6 +38,11 @@ pub(super) struct SceneGraph {
 
 /// What says that a mesh stands in many places.
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Whether trees stand as instances: what moves by joints of its own cannot.
+pub(super) fn are_instances(stage: &Stage<'_>, options: &Options) -> bool {
+    options.is_on("instances") && !stage.is_single() && !has_bones(stage)
+}
 
 /// Lays out where each plant stands, for a node per plant instead of one per place.
 pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<Instancing> {
@@ -83,6 +95,8 @@ pub(super) struct Standing {
     /// Leaves of a plant that stands alone, cover of the ground: an entry for each piece; none where each copy has a
     /// node.
     pub pieces: Vec<Option<Instancing>>,
+    /// Inverse bind matrices of each plant with joints.
+    pub binds: Vec<Option<usize>>,
 }
 
 /// Builds the graph; `layout` is that of the meshes. Levels are siblings below one node, or else those of `MSFT_lod`.
@@ -106,8 +120,13 @@ pub(super) fn nodes(
         layout,
         copies,
         are_siblings,
+        binds: &standing.binds,
+        bones: bones::of_plants(distinct),
         nodes: vec![root],
+        skinned: Vec::new(),
         meshes: Vec::new(),
+        skins: Vec::new(),
+        rigs: Vec::new(),
         first_mesh: Vec::new(),
     };
     graph.add_meshes(arrays);
@@ -121,8 +140,9 @@ pub(super) fn nodes(
         extensions.extend(quantize::EXTENSIONS);
         required.extend(quantize::EXTENSIONS);
     }
-    let Graph { mut nodes, mut meshes, .. } = graph;
-    let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
+    let Graph { mut nodes, mut meshes, skinned, skins, rigs, .. } = graph;
+    let (mut cameras, mut lights) = (Vec::new(), None);
+    let mut roots: Vec<usize> = std::iter::once(0).chain(skinned).collect();
     if let Some(setting) = &stage.setting {
         extensions.extend(setting::EXTENSIONS);
         let first = nodes.len();
@@ -163,7 +183,7 @@ pub(super) fn nodes(
         extensions.push(INSTANCING);
         required.push(INSTANCING);
     }
-    SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required }
+    SceneGraph { nodes, roots, meshes, skins, rigs, cameras, lights, extensions, required }
 }
 
 struct Graph<'a> {
@@ -173,15 +193,22 @@ struct Graph<'a> {
     /// By piece, and so by mesh where each has its own.
     copies: &'a [Option<Instancing>],
     are_siblings: bool,
+    /// By plant: accessors of inverse bind matrices, and the joints.
+    binds: &'a [Option<usize>],
+    bones: Vec<Option<&'a Bones>>,
     nodes: Vec<Node>,
+    /// Nodes of plants with joints: roots of the scene.
+    skinned: Vec<usize>,
     meshes: Vec<Mesh>,
+    skins: Vec<Skin>,
+    rigs: Vec<Rig>,
     /// The first mesh of each model.
     first_mesh: Vec<usize>,
 }
 
 impl Graph<'_> {
     fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
-        let is_single = self.stage.is_single();
+        let is_parted = self.is_parted();
         let mut arrays = arrays.iter();
         for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
@@ -196,7 +223,7 @@ impl Graph<'_> {
                 });
                 let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
-                if is_single {
+                if is_parted {
                     self.meshes.extend(model.parts.iter().zip(primitives).map(
                         |(piece, (primitive, target_names))| Mesh {
                             name: format!("{}{suffix}", model.full_name(&piece.name)),
@@ -206,7 +233,7 @@ impl Graph<'_> {
                     ));
                 } else {
                     // The forest's recipe is the root's; each tree has its own beside.
-                    let linden = recipe(&model.scene.recipe);
+                    let linden = if self.stage.is_single() { None } else { recipe(&model.scene.recipe) };
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
                     let extras = Extras { linden, target_names, linden_wind_cube, ..Extras::default() };
@@ -220,10 +247,21 @@ impl Graph<'_> {
         }
     }
 
+    /// Whether each part is a mesh. A level of detail of what has joints is one, because its node can have nothing
+    /// below it.
+    fn is_parted(&self) -> bool {
+        self.stage.is_single() && (self.bones[0].is_none() || self.distinct.levels(0) == 1)
+    }
+
     /// The nodes of all places.
     fn plants(&mut self) -> Vec<usize> {
         let stage = self.stage;
         if stage.is_single() {
+            if let (Some(bones), Some(bind)) = (self.bones[0], self.binds[0]) {
+                let place = &stage.places[0];
+                self.rig(place, bones, bind, &stage.plants[0].name);
+                return vec![self.rigs[0].first];
+            }
             if self.distinct.levels(0) == 1 {
                 return self.parts(0, 0);
             }
@@ -233,9 +271,50 @@ impl Graph<'_> {
         numbered
             .map(|(number, place)| {
                 let name = format!("{}_{number}", stage.plants[place.plant].name);
+                if let (Some(bones), Some(bind)) = (self.bones[place.plant], self.binds[place.plant]) {
+                    let first = self.rig(place, bones, bind, &name);
+                    let node = Node { name, children: vec![first], ..Node::default() };
+                    return self.push(placed(place, None, node));
+                }
                 self.levels(place, &name, Self::shared)
             })
             .collect()
+    }
+
+    /// The joints of a tree and, as roots of the scene, its meshes; gives the joint that all others hang on.
+    fn rig(&mut self, place: &Place, bones: &Bones, bind: usize, name: &str) -> usize {
+        let model = &self.distinct.models[self.first_model(place.plant)];
+        let rig = Rig::add(place.plant, bones, |joint| model.full_name(joint), &mut self.nodes);
+        let first = rig.first;
+        self.skins.push(rig.skin(bones, name.to_owned(), bind));
+        self.rigs.push(rig);
+        let before = self.nodes.len();
+        let levels = self.distinct.levels(place.plant);
+        if self.is_parted() {
+            let parts = self.parts(0, 0);
+            self.skinned.extend(parts);
+        } else {
+            // Of a level's node with one mesh none is below another.
+            let finest = self.levels(place, name, Self::shared);
+            if self.are_siblings && levels > 1 {
+                let group = self.nodes.pop().unwrap_or_default();
+                self.skinned.extend(group.children);
+                self.nodes[first].extras.screen_coverage = group.extras.screen_coverage;
+            } else {
+                self.skinned.push(finest);
+            }
+        }
+        let skin = Some(self.skins.len() - 1);
+        for index in before..self.nodes.len() {
+            let Some(mesh) = self.nodes[index].mesh else { continue };
+            let is_bound = |primitive: &Primitive| primitive.attributes.joints_0.is_some();
+            // A billboard is not.
+            if self.meshes[mesh].primitives.iter().all(is_bound) {
+                let node = &mut self.nodes[index];
+                (node.skin, node.translation, node.rotation, node.scale) = (skin, None, None, None);
+            }
+        }
+        first
     }
 
     /// A node for each plant, with all its places.

@@ -1,4 +1,4 @@
-//! Wind in glTF: attributes that linden defines, and morph targets.
+//! Wind in glTF: attributes that linden defines, morph targets, and what vertices are bound to.
 //!
 //! `_WIND` is level, phase, sway and flutter; `_WINDPIVOT` the pivot and how far the vertex is from it
 //! (see [`PartWind`]).
@@ -8,9 +8,10 @@
 //! in 16 bits of a cube that the mesh's extras tell. Viewers without a shader for it tint what they show by `COLOR_0`.
 
 use linden_pipeline::stage::Stage;
-use linden_pipeline::wind::{Motion, PartWind};
+use linden_pipeline::wind::{Binding, Bones, Motion, PartWind};
 
 use super::byte_sink::ByteSink;
+use super::document::ComponentType;
 use super::quantize::Cube;
 use crate::ExportError;
 use crate::writing::distinct::{DistinctMeshes, MeshPart, PlantModel};
@@ -22,6 +23,8 @@ pub(super) struct WindArrays {
     pub attributes: Option<[usize; 2]>,
     /// `COLOR_0`, `TEXCOORD_1` and `TEXCOORD_2`.
     pub packed: Option<[usize; 3]>,
+    /// `JOINTS_0` and `WEIGHTS_0`.
+    pub bindings: Option<[usize; 2]>,
     /// The positions of each target.
     pub targets: Vec<usize>,
     /// What they are.
@@ -64,12 +67,40 @@ pub(super) fn write(
     packed: Option<Cube>,
     out: &mut impl ByteSink,
 ) -> Result<(), ExportError> {
+    if let Some(bones) = &wind.bones {
+        return write_bindings(bones, &wind.bindings, out);
+    }
     match packed {
         Some(cube) => write_packed(wind, cube, out)?,
         None => write_whole(wind, cube, out)?,
     }
     // In the order in which a part has them, which is that of `Motion::ALL`.
     wind.targets.iter().try_for_each(|target| out.put(bytemuck::cast_slice(&target.offsets)))
+}
+
+/// In which numbers vertices name joints, and bytes of each vertex's.
+pub(super) fn joint_type(bones: &Bones) -> (ComponentType, u64) {
+    if bones.joints.len() <= 256 { (ComponentType::U8, 4) } else { (ComponentType::U16, 8) }
+}
+
+fn write_bindings(bones: &Bones, bindings: &[Binding], out: &mut impl ByteSink) -> Result<(), ExportError> {
+    const PIECE: usize = 1 << 15;
+    let is_short = joint_type(bones).0 == ComponentType::U8;
+    for bindings in bindings.chunks(PIECE) {
+        if is_short {
+            let joints: Vec<[u8; 4]> =
+                bindings.iter().map(|binding| binding.joints.map(|joint| joint as u8)).collect();
+            out.put(bytemuck::cast_slice(&joints))?;
+        } else {
+            let joints: Vec<[u16; 4]> = bindings.iter().map(|binding| binding.joints).collect();
+            out.put(bytemuck::cast_slice(&joints))?;
+        }
+    }
+    for bindings in bindings.chunks(PIECE) {
+        let weights: Vec<[u8; 4]> = bindings.iter().map(|binding| binding.weights).collect();
+        out.put(bytemuck::cast_slice(&weights))?;
+    }
+    Ok(())
 }
 
 /// The largest level that packing tells apart.

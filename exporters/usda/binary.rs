@@ -7,7 +7,7 @@ use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
 use super::payload::{self, Split};
-use super::{COLLISION, MOST, OPTIONS, estimate, flavored, plant, write_beside, write_layer};
+use super::{COLLISION, MOST, OPTIONS, bones, estimate, flavored, plant, write_beside, write_layer};
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
@@ -107,6 +107,9 @@ pub(super) fn mesh_bytes(piece: &MeshPart<'_>) -> u64 {
     let mesh = &piece.mesh;
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let moved = piece.wind.map_or(0, |wind| {
+        if wind.bones.is_some() {
+            return 8 * bones::influences(&wind.bindings) as u64 * vertices;
+        }
         let offsets = wind.targets.iter().map(|target| target.offsets.len() as u64).sum::<u64>();
         2 * 21 * vertices + 17 * offsets
     });

@@ -11,6 +11,12 @@ use crate::{Amounts, Options};
 // estimate; three plants bear them out within 30 % (test).
 const WIND: f64 = 38.0;
 const TARGET: f64 = 34.0;
+// Of joints: what binds a vertex, in binary and as text; a joint itself; its turn in a frame.
+const BOUND: f64 = 12.0;
+const BOUND_TEXT: f64 = 36.0;
+const JOINT: u64 = 340;
+const JOINT_TEXT: u64 = 420;
+const TURN_TEXT: u64 = 48;
 
 /// Bytes with these options, in one file or several, as binary: numbers take four bytes, indices one and a bit.
 pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
@@ -20,6 +26,8 @@ pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
     let curves = if options.is_on("skeleton") && is_full { 20.0 * (nodes + axes) as f64 } else { 0.0 };
     let meshes = 27.0 * vertices as f64 + 3.2 * triangles as f64 + 33.0 * amounts.placements as f64;
     let moved = 12.0 * amounts.wind_vectors() as f64 + 13.0 * amounts.target_vectors() as f64;
+    let moved = moved + BOUND * amounts.bound_vertices() as f64;
+    let moved = moved + (JOINT + 16 * amounts.frames) as f64 * amounts.joints as f64;
     let materialx = if options.is_on("materialx") && is_full { 400 * amounts.foliage_materials } else { 0 };
     let shapes = if is_full { 160 * collision::expected(amounts.axes, options) } else { 0 };
     let around = amounts.recipe_bytes + 4000 + 300 * amounts.foliage_materials + materialx + shapes;
@@ -40,6 +48,8 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let places = 109.0 * amounts.placements as f64;
     // Vectors of four and three numbers; the latter with the index of their vertex.
     let moved = WIND * amounts.wind_vectors() as f64 + (TARGET + digits) * amounts.target_vectors() as f64;
+    let moved = moved + BOUND_TEXT * amounts.bound_vertices() as f64;
+    let moved = moved + (JOINT_TEXT + TURN_TEXT * amounts.frames) as f64 * amounts.joints as f64;
     let materialx = if options.is_on("materialx") && is_full { 3400 * amounts.foliage_materials } else { 0 };
     let around = 2 * amounts.recipe_bytes + 3000 + 900 * amounts.foliage_materials + materialx;
     let shapes = if is_full { 520 * collision::expected(amounts.axes, options) } else { 0 };

@@ -91,6 +91,27 @@ impl<'s, 'a> Layer<'s, 'a> {
         interpolation: Option<&str>,
         item: impl Fn(usize) -> T + Sync,
     ) -> Result<(), ExportError> {
+        self.array_of(declaration, count, (interpolation, 1), item)
+    }
+
+    /// As [`Self::array`], `size` elements for each vertex.
+    pub fn elements<T: Element>(
+        &mut self,
+        declaration: &str,
+        count: usize,
+        size: u32,
+        item: impl Fn(usize) -> T + Sync,
+    ) -> Result<(), ExportError> {
+        self.array_of(declaration, count, (Some("vertex"), size), item)
+    }
+
+    fn array_of<T: Element>(
+        &mut self,
+        declaration: &str,
+        count: usize,
+        (interpolation, size): (Option<&str>, u32),
+        item: impl Fn(usize) -> T + Sync,
+    ) -> Result<(), ExportError> {
         // Editors and diff choke on a line of a hundred megabytes.
         const PER_LINE: usize = 64;
         let (out, depth) = match &mut self.0 {
@@ -98,7 +119,7 @@ impl<'s, 'a> Layer<'s, 'a> {
             Form::Binary(file) => {
                 let mut bytes = Vec::with_capacity(count * size_of::<T>());
                 (0..count).for_each(|i| item(i).append(&mut bytes));
-                return file.array(declaration, count * T::ELEMENTS, interpolation, bytes);
+                return file.array(declaration, count * T::ELEMENTS, (interpolation, size), bytes);
             }
         };
         let pad = "    ".repeat(depth);
@@ -112,7 +133,10 @@ impl<'s, 'a> Layer<'s, 'a> {
             }
         })?;
         let metadata = interpolation
-            .map(|word| format!(" (\n{pad}    interpolation = \"{word}\"\n{pad})"))
+            .map(|word| {
+                let size = if size > 1 { format!("{pad}    elementSize = {size}\n") } else { String::new() };
+                format!(" (\n{size}{pad}    interpolation = \"{word}\"\n{pad})")
+            })
             .unwrap_or_default();
         out.write(format!("]{metadata}\n").as_bytes())
     }

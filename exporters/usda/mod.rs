@@ -21,6 +21,7 @@
 
 mod assembly;
 mod binary;
+mod bones;
 mod collision;
 mod estimate;
 mod extent;
@@ -45,6 +46,7 @@ use linden_pipeline::memory::{bytes_grown, bytes_of};
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Mesh, Wrap};
 use linden_pipeline::stage::{Stage, Surroundings};
+use linden_pipeline::wind::Bones;
 use linden_pipeline::{Monitor, Vec3};
 
 pub(crate) use self::binary::Usdc;
@@ -495,6 +497,8 @@ const PLACEMENT_BYTES: u64 = 120;
 /// Of wind, rather more than less: a vector of four numbers, one of three with the comma behind its index.
 const WIND_BYTES: u64 = 46;
 const OFFSET_BYTES: u64 = 40;
+/// A joint and its weight.
+const INFLUENCE_BYTES: u64 = 17;
 
 /// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
 /// triangle 9 and its three indices, of which each has the digits of the last one at most.
@@ -503,6 +507,9 @@ fn text_bytes(piece: &MeshPart<'_>) -> u64 {
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let digits = u64::from(vertices.max(1).ilog10()) + 1;
     let moved = piece.wind.map_or(0, |wind| {
+        if wind.bones.is_some() {
+            return INFLUENCE_BYTES * bones::influences(&wind.bindings) as u64 * vertices;
+        }
         let offsets = wind.targets.iter().flat_map(|target| &target.offsets);
         let moved = offsets.filter(|offset| **offset != Vec3::ZERO).count() as u64;
         2 * WIND_BYTES * vertices + (OFFSET_BYTES + digits) * moved
@@ -518,7 +525,16 @@ fn own_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
         // Which vertices a target moves, in a list that grows.
         table + memory::per_vertex::<([f32; 2], u32)>(mesh).max(bytes_grown::<u32>(mesh.positions.len()))
     };
-    memory::largest(distinct, indexed) + memory::formatting(distinct) + 2 * instances::bytes(distinct)
+    let turns = |plant: usize| {
+        let pieces: Vec<&MeshPart<'_>> =
+            distinct.models_of(plant).iter().flat_map(|model| &model.parts).collect();
+        let frames = |bones: &Bones| bones.joints.len() as u64 * u64::from(bones.sway.frames() + 1);
+        bones::of(&pieces).map_or(0, frames)
+    };
+    memory::largest(distinct, indexed)
+        + memory::formatting(distinct)
+        + 2 * instances::bytes(distinct)
+        + bones::TURN_BYTES * (0..distinct.plants()).map(turns).max().unwrap_or(0)
 }
 
 fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {

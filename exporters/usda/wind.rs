@@ -1,8 +1,8 @@
-//! Wind in USD: primvars for shaders, and blend shapes that a `SkelAnimation` drives.
+//! Wind in USD: primvars for shaders, and blend shapes or joints that a `SkelAnimation` drives.
 //!
 //! `primvars:wind` is level, phase, sway and flutter; `primvars:windPivot` the pivot and how far the
 //! vertex is from it (see [`PartWind`]). Where there is a sway loop, the plant's `Geometry` is a
-//! `SkelRoot` with a rig whose joints move no vertex: `UsdSkel` has blend shapes on such prims only. What computes the
+//! `SkelRoot`. With joints its rig is theirs ([`bones`]); with blend shapes the joints of the rig move no vertex: `UsdSkel` has blend shapes on such prims only. What computes the
 //! extent of a `SkelRoot` looks at its joints and not at blend shapes, so that the two joints are the corners of the
 //! box in each frame, and all who ask get the same.
 
@@ -10,10 +10,10 @@ use glam::Vec3;
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::wind::{Motion, PartWind, Sway};
 
-use super::extent;
 use super::layer::Layer;
 use super::mesh::primvar;
 use super::syntax::tuple;
+use super::{bones, extent};
 use crate::ExportError;
 use crate::writing::distinct::MeshPart;
 
@@ -22,7 +22,8 @@ const JOINTS: &str = "\"low\", \"high\"";
 
 /// The loop of some meshes.
 pub(super) fn sway<'a>(pieces: &[&MeshPart<'a>]) -> Option<&'a Sway> {
-    pieces.iter().find_map(|piece| piece.wind?.sway.as_deref())
+    let of = |wind: &'a PartWind| wind.bones.as_ref().map(|bones| &*bones.sway).or(wind.sway.as_deref());
+    pieces.iter().find_map(|piece| of(piece.wind?))
 }
 
 /// What stands before the braces of the prim that carries a plant's meshes, and within them before
@@ -42,12 +43,12 @@ fn at_rest(pieces: &[&MeshPart<'_>]) -> Option<Bounds> {
 }
 
 /// `[(x, y, z), (x, y, z)]`.
-fn corners(Bounds { min, max }: Bounds) -> String {
+pub(super) fn corners(Bounds { min, max }: Bounds) -> String {
     format!("[{}, {}]", tuple(min.to_array()), tuple(max.to_array()))
 }
 
 /// A line for each frame from 0 on.
-fn samples(declaration: &str, of_frames: impl Iterator<Item = String>) -> String {
+pub(super) fn samples(declaration: &str, of_frames: impl Iterator<Item = String>) -> String {
     let mut text = format!("{declaration}.timeSamples = {{\n");
     for (frame, value) in (0..).zip(of_frames) {
         text += &format!("    {frame}: {value},\n");
@@ -68,6 +69,9 @@ pub(super) fn write_rig(
     sway: &Sway,
     pieces: &[&MeshPart<'_>],
 ) -> Result<(), ExportError> {
+    if let Some(bones) = bones::of(pieces) {
+        return bones::write_rig(layer, path, bones, pieces);
+    }
     let motions = motions(pieces);
     let frames = extent::of_frames(pieces, sway);
     let Some(rest) = at_rest(pieces) else { return Ok(()) };
@@ -116,7 +120,7 @@ pub(super) fn time(sway: &Sway) -> String {
 
 /// The schemas that a mesh has.
 pub(super) fn schemas(wind: Option<&PartWind>) -> &'static str {
-    if wind.is_some_and(|wind| !wind.targets.is_empty()) {
+    if wind.is_some_and(|wind| !wind.targets.is_empty() || wind.bones.is_some()) {
         r#""MaterialBindingAPI", "SkelBindingAPI""#
     } else {
         r#""MaterialBindingAPI""#
@@ -130,6 +134,9 @@ pub(super) fn write(
     geometry: &str,
     mesh: &str,
 ) -> Result<(), ExportError> {
+    if wind.bones.is_some() {
+        return bones::write_bindings(layer, &wind.bindings, geometry);
+    }
     primvar(layer, "float4[] primvars:wind", &wind.motions)?;
     primvar(layer, "float4[] primvars:windPivot", &wind.pivots)?;
     if wind.targets.is_empty() {

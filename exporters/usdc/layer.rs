@@ -67,16 +67,17 @@ impl<'m> Crate<'m> {
         read.ok_or_else(|| unknown(text))
     }
 
-    /// An attribute of many elements: `elements` are their numbers as they lie in memory, of halfs as floats.
+    /// An attribute of many elements: `elements` are their numbers as they lie in memory, of halfs as floats. Its shape
+    /// is its interpolation, and how many elements are of each vertex.
     pub fn array(
         &mut self,
         declaration: &str,
         count: usize,
-        interpolation: Option<&str>,
+        shape: (Option<&str>, u32),
         elements: Vec<u8>,
     ) -> Result<(), ExportError> {
         self.monitor.check()?;
-        let added = self.add_array(declaration, count, interpolation, elements);
+        let added = self.add_array(declaration, count, shape, elements);
         added.ok_or_else(|| unknown(declaration))
     }
 
@@ -92,7 +93,7 @@ impl<'m> Crate<'m> {
         &mut self,
         declaration: &str,
         count: usize,
-        interpolation: Option<&str>,
+        (interpolation, size): (Option<&str>, u32),
         elements: Vec<u8>,
     ) -> Option<()> {
         let declared = Declaration::read(&mut Statements::of(declaration)?)?;
@@ -100,6 +101,9 @@ impl<'m> Crate<'m> {
         let elements = if kind.scalar == Scalar::Half { halves(kind, &elements) } else { elements };
         let value = self.build.values.array(kind, count, &elements);
         let mut fields = vec![("default", value)];
+        if size > 1 {
+            fields.push(("elementSize", Values::inlined(number::INT, size)));
+        }
         if let Some(word) = interpolation {
             fields.push(("interpolation", self.build.values.token_value(word)));
         }

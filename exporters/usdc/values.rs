@@ -17,6 +17,7 @@ const IS_COMPRESSED: u64 = 1 << 61;
 
 /// Types besides those of attributes.
 pub(super) mod number {
+    pub const INT: u8 = 3;
     pub const DICTIONARY: u8 = 31;
     pub const TOKEN_LIST: u8 = 32;
     pub const STRING_LIST: u8 = 33;

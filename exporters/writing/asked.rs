@@ -21,6 +21,11 @@ pub(crate) fn note_asked(stage: &Stage<'_>, options: &Options, bundle: &mut Bund
     }
     if is_asked("wind_as") && !parts(stage).any(|part| part.wind.is_some()) {
         bundle.note("wind_as changes nothing: nothing moves; --wind=attributes lets it");
+    } else if is_asked("wind_as") && has_bones(stage) {
+        bundle.note("wind_as changes nothing: joints move it; --wind=attributes tells shaders");
+    }
+    if has_bones(stage) && !stage.is_single() && options.is_on("instances") {
+        bundle.note("instances: trees that move by joints stand one by one, because each has its own");
     }
     if !collision::is_wanted(options) {
         for name in [MOST.knob.name, "collision_as"] {
@@ -32,6 +37,11 @@ pub(crate) fn note_asked(stage: &Stage<'_>, options: &Options, bundle: &mut Bund
             }
         }
     }
+}
+
+/// Whether something moves by joints.
+pub(crate) fn has_bones(stage: &Stage<'_>) -> bool {
+    parts(stage).any(|part| part.wind.as_ref().is_some_and(|wind| wind.bones.is_some()))
 }
 
 fn parts<'a>(stage: &'a Stage<'_>) -> impl Iterator<Item = &'a Part> {

@@ -93,7 +93,7 @@ pub mod pictures;
 pub mod records;
 pub mod validate;
 
-pub(crate) use self::asked::note_asked;
+pub(crate) use self::asked::{has_bones, note_asked};
 pub use self::fit::fit;
 pub(crate) use self::fit::{listed, turned_colors};
 pub use self::names::{identifier, one_word};

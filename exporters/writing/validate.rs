@@ -5,6 +5,7 @@ use linden_pipeline::Monitor;
 use linden_pipeline::scene::{Bounds, Material, Mesh, Part, Scene};
 use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
 use linden_pipeline::stage::{Place, Stage};
+use linden_pipeline::wind::{Binding, PartWind};
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -173,7 +174,35 @@ fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bound
         let problem = format!("it wants material {} of {}", part.material, scene.materials.len());
         return Err(ExportError::Scene { what, problem });
     }
+    if let Some(problem) = part.wind.as_ref().and_then(|wind| check_wind(wind, part.mesh.positions.len())) {
+        return Err(ExportError::Scene { what, problem });
+    }
     check_mesh(&part.mesh, &what, monitor)
+}
+
+/// What is wrong with how a part with `count` vertices moves.
+fn check_wind(wind: &PartWind, count: usize) -> Option<String> {
+    let Some(bones) = &wind.bones else {
+        let targets = wind.targets.iter().map(|target| target.offsets.len());
+        let mut lengths = [wind.motions.len(), wind.pivots.len()].into_iter().chain(targets);
+        let length = lengths.find(|length| *length != count)?;
+        return Some(format!("{count} vertices move in the wind by {length} entries"));
+    };
+    if wind.bindings.len() != count {
+        return Some(format!("{} of {count} vertices are bound to joints", wind.bindings.len()));
+    }
+    let mut parents = bones.joints.iter().enumerate().map(|(index, joint)| (index, joint.parent));
+    let is_strange =
+        |(index, parent): (usize, Option<usize>)| parent.map_or(index > 0, |parent| parent >= index);
+    if bones.joints.is_empty() || parents.any(is_strange) {
+        return Some("its joints are not in the order of parents first".to_owned());
+    }
+    let is_strange = |binding: &Binding| {
+        let sum: u32 = binding.weights.iter().map(|weight| u32::from(*weight)).sum();
+        sum != 255 || binding.joints.iter().any(|joint| usize::from(*joint) >= bones.joints.len())
+    };
+    let at = wind.bindings.iter().position(is_strange)?;
+    Some(format!("vertex {at} is bound to a joint that is not there, or not wholly"))
 }
 
 fn check_mesh(mesh: &Mesh, what: &str, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {

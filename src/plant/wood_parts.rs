@@ -120,6 +120,8 @@ fn blown(wind: &PartWind, vertices: &[u32]) -> PartWind {
         pivots: taken(&wind.pivots, vertices),
         targets: wind.targets.iter().map(target).collect(),
         sway: wind.sway.clone(),
+        bindings: taken(&wind.bindings, vertices),
+        bones: wind.bones.clone(),
     }
 }
 

@@ -12,7 +12,7 @@ const PLANTS: [(&str, &str); 4] = [
 ];
 
 /// Settings that are not the wood's.
-const DRESSES: [&[&str]; 9] = [
+const DRESSES: [&[&str]; 10] = [
     &["leaf_form=none"],
     &["leaf_form=card", "leaves_per_m=90", "leaf_outline=lobed"],
     &["leaf_keep=0.5"],
@@ -21,6 +21,7 @@ const DRESSES: [&[&str]; 9] = [
     &["lods=3", "billboard=2"],
     &["triangles=9000"],
     &["wind=sway", "wind_strength=1"],
+    &["wind=bones", "bones=1024"],
     &["wind=attributes", "lods=2", "season=0.8", "leaf_length=0.2"],
 ];
 

@@ -44,6 +44,8 @@ fn every_format_and_option_is_seen_and_gives_the_same_bytes() {
         ("glb", &["glb.pictures=false"]),
         ("glb", &["glb.picture_format=jpeg", "glb.instances=true"]),
         ("glb", &["glb.quantize=true", "glb.compress=meshopt", "wind=attributes"]),
+        ("glb", &["glb.quantize=true", "wind=bones", "lods=2"]),
+        ("usdc", &["wind=bones"]),
         ("usda", &[]),
         ("usda", &["usda.pictures=false", "usda.skeleton=false", "lods=2"]),
         ("usda", &["usda.instances=true"]),

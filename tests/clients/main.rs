@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod assembly;
+mod bones;
 mod collision;
 mod compressed;
 mod crates;

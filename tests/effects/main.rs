@@ -312,12 +312,13 @@ fn what_a_format_cannot_hold_of_an_export_is_noted() {
     let plain = plants().into_iter().find(|plant| plant.name == "crown").unwrap().recipe;
     let before = Dressed::of(&plain, &[]).unwrap();
     let seasons = Season::parse_list("summer,autumn").unwrap();
-    let asked: [Asked<'_>; 7] = [
+    let asked: [Asked<'_>; 8] = [
         ("lods", &[("lods", "2")], &[], false),
         ("lods", &[("lod_triangles", "900 300")], &[], false),
         ("lods", &[("billboard", "2"), ("billboard_size", "64")], &[], false),
         ("wind", &[("wind", "attributes")], &[], false),
         ("wind", &[("wind", "sway")], &[], false),
+        ("wind", &[("wind", "bones")], &[], false),
         ("seasons", &[], &seasons, false),
         ("scene", &[], &[], true),
     ];
@@ -347,8 +348,9 @@ fn what_a_format_cannot_hold_of_an_export_is_noted() {
 #[test]
 fn every_option_of_a_format_has_an_effect_or_a_note_that_names_it() {
     let mut faults = Vec::new();
-    for plant in
-        plants().iter().filter(|plant| ["crown", "bare", "everything", "windy"].contains(&plant.name))
+    for plant in plants()
+        .iter()
+        .filter(|plant| ["crown", "bare", "everything", "windy", "jointed"].contains(&plant.name))
     {
         let dressed = Dressed::of(&plant.recipe, &[]).unwrap();
         for exporter in REGISTRY {

@@ -116,6 +116,7 @@ pub fn plants() -> Vec<Plant> {
         plant("bare", CROWN, &[]),
         plant("everything", CROWN, &[LEAVES, all_steps, shaped, windy, levels]),
         plant("windy", CROWN, &[LEAVES, &[("wind", "attributes")]]),
+        plant("jointed", CROWN, &[LEAVES, &[("wind", "bones"), ("bones", "12")]]),
         plant(
             "orders",
             CROWN,

@@ -65,6 +65,7 @@ ANY = [
     ["triangles=4000000000"],
     ["triangles=5000", "lods=3"],
     ["wind=sway"],
+    ["wind=bones", "bones=1024", "wind_frequency=0.05"],
     ["refine=subdivide subdivide subdivide subdivide subdivide subdivide"],
     ["refine=smooth relocate decimate"],
 ]

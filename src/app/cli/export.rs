@@ -50,8 +50,8 @@ pub struct Export {
     #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
     billboard: Option<u32>,
 
-    /// Wind: attributes at the vertices for shaders; with =sway a loop that viewers play too; the same as
-    /// --set wind=WORD
+    /// Wind: attributes at the vertices for shaders; with =sway a loop that viewers play too, with
+    /// =bones that loop by joints; the same as --set wind=WORD
     #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "attributes", add = complete::values_of("wind"))]
     wind: Option<String>,
 

@@ -1,9 +1,9 @@
 //! `[wind]`: how it moves.
 
 use linden_base::field;
-use linden_base::knob::{Field, Kind, real};
+use linden_base::knob::{Field, Kind, integer, real};
 
-use crate::wind::{Blow, Wind};
+use crate::wind::{Blow, BoneSettings, Wind};
 
 /// Whether the tree carries wind, and how it blows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,6 +12,8 @@ pub struct WindSettings {
     pub wind: Wind,
     /// How it blows.
     pub blow: Blow,
+    /// Where joints are.
+    pub bones: BoneSettings,
 }
 
 impl WindSettings {
@@ -21,15 +23,45 @@ impl WindSettings {
             "wind",
             Kind::Choice(Wind::WORDS),
             "",
-            "in exports: attributes at the vertices for shaders, or these and a sway loop that viewers play (glTF, USD)",
+            "in exports: attributes at the vertices for shaders, these and a sway loop that viewers play, or that loop by joints (glTF, USD)",
             wind,
             details(
                 "attributes are level, phase, sway and flutter of each vertex with the pivot of its branch \
-                 or leaf; sway adds morph targets with a loop that repeats. Stems bend as a whole, branches \
+                 or leaf; sway adds morph targets with a loop that repeats; bones has joints along stems and branches \
+                 that turn in the same loop, in a fraction of the bytes: leaves go with their twig and do not \
+                 flutter. Stems bend as a whole, branches \
                  swing where they leave their parent, leaves flutter, and the foot stands still. The \
                  workbench shows wind whatever this says. A watertight solid cannot be moved."
             ),
-            see_also(&["wind_strength", "wind_frequency", "wind_direction", "gustiness", "junction"])
+            see_also(&[
+                "bones",
+                "wind_strength",
+                "wind_frequency",
+                "wind_direction",
+                "gustiness",
+                "junction"
+            ])
+        ),
+        field!(
+            "bones",
+            integer(2, 1024),
+            "",
+            "the most joints of wind=bones: they go where most of the wood swings",
+            bones.most,
+            details(
+                "An axis has up to 6, evenly along it, and only where what bears it has some. Up to 256, vertices are \
+                 bound in 8 bytes, beyond that in 12; many engines take no more than 256, phones far fewer."
+            ),
+            see_also(&["bone_order", "wind"])
+        ),
+        field!(
+            "bone_order",
+            integer(0, 8),
+            "",
+            "the deepest order of axes with joints of their own: 0 stems alone, 1 branches too",
+            bones.order,
+            details("Finer wood and leaves go with the joints of what bears them."),
+            see_also(&["bones", "wind"])
         ),
         field!(
             "wind_strength",

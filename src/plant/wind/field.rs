@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::rig::Rig;
 use super::sway::MOST;
-use super::{Blow, Blown, Motion, PartWind, Sway, Target, Wind};
+use super::{Binding, Blow, Blown, BoneSettings, Motion, PartWind, Sway, Target, Wind};
 use crate::Specimen;
 use crate::foliage::{Look, Shaper};
 use crate::settings::WindSettings;
@@ -37,24 +38,26 @@ pub(super) const PER_CHECK: usize = 1024;
 
 /// How everything on a tree swings.
 pub(crate) struct Field<'a> {
-    whole: &'a Skeleton,
-    axes: Vec<AxisSwing>,
+    pub(super) whole: &'a Skeleton,
+    pub(super) axes: Vec<AxisSwing>,
     /// The axis of each node.
-    axis_of: Vec<u32>,
+    pub(super) axis_of: Vec<u32>,
     key: Key,
     direction: Vec3,
     pub(super) strength: f32,
-    /// `None`: attributes alone.
+    /// `None`: no loop of morph targets.
     sway: Option<Arc<Sway>>,
+    /// The joints in place of all else.
+    rig: Option<Rig>,
 }
 
 /// How an axis swings.
 #[derive(Clone, Copy)]
 pub(super) struct AxisSwing {
     level: u32,
-    pivot: Vec3,
+    pub(super) pivot: Vec3,
     /// What is nearer to the pivot does not move by itself: the stem's base, the inside of the parent.
-    still_m: f32,
+    pub(super) still_m: f32,
     /// How far its farthest node is from the pivot.
     reach_m: f32,
     /// 0 to 1.
@@ -69,10 +72,15 @@ pub(super) struct AxisSwing {
 
 impl AxisSwing {
     /// How much a place swings about the pivot: the bend of a beam that is held at one end.
-    fn share(&self, place: Vec3) -> f32 {
+    pub(super) fn share(&self, place: Vec3) -> f32 {
         let out = place.distance(self.pivot) - self.still_m;
         let share = out.max(0.0) / (self.reach_m - self.still_m).max(1e-6);
         (share * share).min(1.5)
+    }
+
+    /// How far its tip goes in a storm from any side, metres.
+    pub(super) fn way(&self) -> f32 {
+        self.reach_m * if self.level == 0 { STEM_SWING } else { BRANCH_SWING * self.flexible }
     }
 
     /// Where a place goes: with the stem, with the sine and with the cosine of the branches.
@@ -90,13 +98,17 @@ impl AxisSwing {
 impl<'a> Field<'a> {
     /// The field of wind round a tree, if there is wind.
     pub fn of(specimen: &Specimen<'_>, whole: &'a Skeleton) -> Option<Self> {
-        let WindSettings { wind, blow } = &specimen.dressing.wind;
+        let WindSettings { wind, blow, bones } = &specimen.dressing.wind;
         let key = specimen.key().named("wind");
-        (*wind != Wind::Off).then(|| Self::new(whole, blow, *wind == Wind::Sway, key))
+        let field = || {
+            let field = Self::new(whole, blow, *wind, key);
+            if *wind == Wind::Bones { field.with_bones(blow, bones) } else { field }
+        };
+        (*wind != Wind::Off).then(field)
     }
 
-    /// `sway`: with the loop's targets, not the attributes alone.
-    pub(super) fn new(whole: &'a Skeleton, blow: &Blow, sway: bool, key: Key) -> Self {
+    /// Without bones.
+    pub(super) fn new(whole: &'a Skeleton, blow: &Blow, wind: Wind, key: Key) -> Self {
         let (sin, cos) = libm::sincos(blow.direction_deg.to_radians());
         let mut field = Self {
             whole,
@@ -105,7 +117,8 @@ impl<'a> Field<'a> {
             key,
             direction: Vec3::new(cos as f32, 0.0, -sin as f32),
             strength: blow.strength as f32,
-            sway: sway.then(|| Arc::new(Sway::new(blow))),
+            sway: (wind == Wind::Sway).then(|| Arc::new(Sway::new(blow))),
+            rig: None,
         };
         let thickest_m = whole.radii.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         for index in 0..whole.axes.len() {
@@ -113,6 +126,12 @@ impl<'a> Field<'a> {
             field.axes.push(swing);
         }
         field
+    }
+
+    /// The same by joints that turn.
+    fn with_bones(mut self, blow: &Blow, bones: &BoneSettings) -> Self {
+        self.rig = Some(Rig::new(&self, bones, &Arc::new(Sway::new(blow))));
+        self
     }
 
     /// Its parent's swing is known.
@@ -165,12 +184,29 @@ impl<'a> Field<'a> {
         phase - phase.floor()
     }
 
-    /// How a node swings, and a leaf's foot with it.
-    pub(super) fn of_node(&self, node: u32) -> &AxisSwing {
-        &self.axes[self.axis_of[node as usize] as usize]
+    /// The axis of a node.
+    fn axis_at(&self, node: u32) -> usize {
+        self.axis_of[node as usize] as usize
     }
 
-    /// The targets of a part with `vertices` vertices, empty.
+    /// How a node swings, and a leaf's foot with it.
+    pub(super) fn of_node(&self, node: u32) -> &AxisSwing {
+        &self.axes[self.axis_at(node)]
+    }
+
+    /// The wind of a part with `vertices` vertices that move in these ways, empty.
+    fn empty(&self, vertices: usize, motions: &[Motion]) -> PartWind {
+        let [attributes, bindings] = if self.rig.is_some() { [0, vertices] } else { [vertices, 0] };
+        PartWind {
+            motions: Vec::with_capacity(attributes),
+            pivots: Vec::with_capacity(attributes),
+            targets: self.targets(vertices, motions),
+            sway: self.sway.clone(),
+            bindings: Vec::with_capacity(bindings),
+            bones: self.rig.as_ref().map(|rig| Arc::clone(&rig.bones)),
+        }
+    }
+
     fn targets(&self, vertices: usize, motions: &[Motion]) -> Vec<Target> {
         let motions = if self.sway.is_some() { motions } else { &[] };
         motions.iter().map(|&motion| Target { motion, offsets: Vec::with_capacity(vertices) }).collect()
@@ -180,6 +216,9 @@ impl<'a> Field<'a> {
 impl Field<'_> {
     /// Bytes of what a part of `vertices` vertices is given.
     pub fn bytes_for(&self, vertices: usize) -> u64 {
+        if let Some(rig) = &self.rig {
+            return bytes_of::<Binding>(vertices) + rig.bones.bytes();
+        }
         let targets = if self.sway.is_some() { Motion::ALL.len() } else { 0 };
         bytes_of::<[f32; 8]>(vertices) + bytes_of::<Vec3>(vertices * targets)
     }
@@ -199,20 +238,21 @@ impl Blown<'_> {
     /// axis' come first.
     pub fn wood(&self, mesh: &Mesh, tubes: &[Amount], monitor: &dyn Monitor) -> Result<PartWind, Cancelled> {
         let count = mesh.positions.len();
-        let mut wind = PartWind {
-            motions: Vec::with_capacity(count),
-            pivots: Vec::with_capacity(count),
-            targets: self.field.targets(count, &Motion::ALL[..4]),
-            sway: self.field.sway.clone(),
-        };
+        let mut wind = self.field.empty(count, &Motion::ALL[..4]);
         for (index, tube) in tubes.iter().enumerate() {
             if index.is_multiple_of(PER_CHECK) {
                 monitor.check()?;
             }
             let axis = self.axes.map_or(index, |axes| axes[index] as usize);
             let swing = &self.field.axes[axis];
-            let first = wind.motions.len();
+            let first = wind.motions.len().max(wind.bindings.len());
             let (roots_from, last) = (first + tube.vertices - tube.roots[0], first + tube.vertices);
+            if let Some(rig) = &self.field.rig {
+                let trunk = &mesh.positions[first..roots_from.min(count)];
+                wind.bindings.extend(trunk.iter().map(|&place| rig.bind(axis, place)));
+                wind.bindings.resize(last.min(count), Binding::STILL);
+                continue;
+            }
             for &place in &mesh.positions[first..roots_from.min(count)] {
                 let sway = swing.share(place).min(1.0) * swing.flexible;
                 wind.motions.push([swing.level as f32, swing.phase, sway, 0.0]);
@@ -241,12 +281,7 @@ impl Blown<'_> {
         monitor: &dyn Monitor,
     ) -> Result<PartWind, Cancelled> {
         let count = mesh.positions.len();
-        let mut wind = PartWind {
-            motions: Vec::with_capacity(count),
-            pivots: Vec::with_capacity(count),
-            targets: self.field.targets(count, &Motion::ALL),
-            sway: self.field.sway.clone(),
-        };
+        let mut wind = self.field.empty(count, &Motion::ALL);
         let polygons = organs.polygons.ends.len();
         let (mut shaper, mut scratch) = (Shaper::default(), Mesh::default());
         for organ in 0..organs.len() {
@@ -291,6 +326,13 @@ impl Blown<'_> {
     }
 
     fn leaf(&self, leaf: &Leaf, node: u32, mesh: &Mesh, wind: &mut PartWind) {
+        if let Some(rig) = &self.field.rig {
+            // It keeps its shape and goes as its foot does.
+            let binding = rig.bind(self.field.axis_at(node), leaf.foot);
+            let last = (wind.bindings.len() + leaf.vertices).min(mesh.positions.len());
+            wind.bindings.resize(last, binding);
+            return;
+        }
         let twig = self.field.of_node(node);
         let carried = twig.moved(leaf.foot);
         let sway = twig.share(leaf.foot).min(1.0) * twig.flexible;

@@ -7,19 +7,28 @@
 //! between 0 and 1, for programs that cut off what is beyond (Blender's shape keys): each target goes
 //! from one end of a motion to the other, and [`Motion::Begin`] has all of them at their begin.
 //!
+//! The same sway is told by [`Bones`] in a fraction of the bytes: joints along stems and branches, that look where
+//! these targets move the wood. Leaves go with the twig that bears them and do not flutter by themselves.
+//!
 //! Everything follows from the whole tree's skeleton, so that all levels of detail swing alike. Phases
 //! come from the seed and from places, not from numbers of nodes.
 
+mod bones;
 mod field;
 mod moment;
+mod rig;
 mod sway;
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use linden_base::memory::bytes_of;
 
+pub use bones::{Binding, BoneSettings, Bones, INFLUENCES, Joint};
 pub(crate) use field::Field;
 pub use moment::blown;
+pub use rig::most_joints;
 pub use sway::Sway;
 
 linden_base::words! {
@@ -33,6 +42,8 @@ linden_base::words! {
         Attributes = "attributes",
         /// These, and a loop that viewers play.
         Sway = "sway",
+        /// The loop alone, by joints that turn.
+        Bones = "bones",
     }
 }
 
@@ -56,7 +67,7 @@ impl Default for Blow {
     }
 }
 
-/// How the vertices of a part swing. The arrays have an entry per vertex.
+/// How the vertices of a part swing. The arrays have an entry per vertex, or none: with bones there are bindings alone.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PartWind {
     /// Level (0 for a stem, 1 for its branches and so on; a leaf has one more than its twig), phase
@@ -69,15 +80,21 @@ pub struct PartWind {
     /// The sway loop's morph targets; none where only attributes are wanted.
     pub targets: Vec<Target>,
     /// How their weights go; the same for all parts of a tree.
-    pub sway: Option<std::sync::Arc<Sway>>,
+    pub sway: Option<Arc<Sway>>,
+    /// What each vertex is bound to.
+    pub bindings: Vec<Binding>,
+    /// The joints of these bindings; the same for all parts and levels of a tree.
+    pub bones: Option<Arc<Bones>>,
 }
 
 impl PartWind {
-    /// Bytes that it takes.
+    /// Bytes that it takes, without what it shares with other parts.
     pub fn bytes(&self) -> u64 {
         let targets: u64 =
             self.targets.iter().map(|target| bytes_of::<Vec3>(target.offsets.capacity())).sum();
-        bytes_of::<[f32; 4]>(self.motions.capacity() + self.pivots.capacity()) + targets
+        bytes_of::<[f32; 4]>(self.motions.capacity() + self.pivots.capacity())
+            + bytes_of::<Binding>(self.bindings.capacity())
+            + targets
     }
 }
 
@@ -135,3 +152,6 @@ pub(crate) struct Blown<'a> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+mod bones_tests;

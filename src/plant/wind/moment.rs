@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::field::{LEAF_SWING, PER_CHECK};
-use super::{Blow, Field, Motion, PartWind, Sway};
+use super::{Blow, Field, Motion, PartWind, Sway, Wind};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 use linden_skeleton::Skeleton;
@@ -14,15 +14,15 @@ use linden_skeleton::organs::Organs;
 
 /// How far each motion is out at a moment, -1 to 1 without gusts, in the order of [`Motion::ALL`]
 /// without the begin.
-struct Swing([f32; 5]);
+pub(super) struct Swing([f32; 5]);
 
 impl Swing {
-    fn at(sway: &Sway, frame: u32) -> Self {
+    pub fn at(sway: &Sway, frame: u32) -> Self {
         let [_, motions @ ..] = Motion::ALL;
         Self(motions.map(|motion| sway.swing(motion, frame)))
     }
 
-    fn moved(&self, [stem, with_sine, with_cosine]: [Vec3; 3]) -> Vec3 {
+    pub fn moved(&self, [stem, with_sine, with_cosine]: [Vec3; 3]) -> Vec3 {
         let Self([lean, sine, cosine, ..]) = *self;
         stem * lean + with_sine * sine + with_cosine * cosine
     }
@@ -49,7 +49,7 @@ pub fn blown(
     frame: u32,
     monitor: &dyn Monitor,
 ) -> Result<(Skeleton, Organs), Cancelled> {
-    let field = Field::new(skeleton, blow, true, Key::new(seed).named("wind"));
+    let field = Field::new(skeleton, blow, Wind::Sway, Key::new(seed).named("wind"));
     let swing = Swing::at(&Sway::new(blow), frame);
     let mut wood = skeleton.clone();
     for (node, place) in wood.positions.iter_mut().enumerate() {
@@ -93,6 +93,9 @@ pub fn blown(
 impl PartWind {
     /// Where the vertices of a part are at a frame of its loop; `None` for a part that has no loop.
     pub fn moved(&self, positions: &[Vec3], frame: u32) -> Option<Vec<Vec3>> {
+        if let Some(bones) = &self.bones {
+            return Some(self.posed(bones, positions, frame));
+        }
         let sway: &Arc<Sway> = self.sway.as_ref()?;
         let mut moved = positions.to_vec();
         for target in &self.targets {

@@ -132,6 +132,7 @@ fn width(kind: &str) -> Option<usize> {
         "VEC2" => Some(2),
         "VEC3" => Some(3),
         "VEC4" => Some(4),
+        "MAT4" => Some(16),
         _ => None,
     }
 }

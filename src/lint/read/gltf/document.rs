@@ -13,6 +13,7 @@ pub struct Document {
     pub scenes: Vec<Scene>,
     pub nodes: Vec<Node>,
     pub meshes: Vec<Mesh>,
+    pub skins: Vec<Skin>,
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
     pub images: Vec<Image>,
@@ -32,12 +33,20 @@ pub struct Scene {
 pub struct Node {
     pub name: Option<String>,
     pub mesh: Option<usize>,
+    pub skin: Option<usize>,
     pub children: Vec<usize>,
     pub matrix: Option<[f32; 16]>,
     pub translation: Option<[f32; 3]>,
     pub rotation: Option<[f32; 4]>,
     pub scale: Option<[f32; 3]>,
     pub extensions: NodeExtensions,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub struct Skin {
+    pub inverse_bind_matrices: Option<usize>,
+    pub joints: Vec<usize>,
 }
 
 #[derive(Default, Deserialize)]

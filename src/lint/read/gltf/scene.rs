@@ -1,6 +1,6 @@
 //! Nodes: what stands where, at which level of detail.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 
@@ -24,10 +24,15 @@ pub(super) fn read(
         .filter_map(|node| node.extensions.lod.as_ref())
         .flat_map(|lod| lod.ids.clone())
         .collect();
+    let above = |(index, node): (usize, &Node)| {
+        node.children.iter().map(move |child| (*child, index)).collect::<Vec<_>>()
+    };
+    let parents = document.nodes.iter().enumerate().flat_map(above).collect();
     let mut walk = Walk {
         document,
         buffers,
         pieces,
+        parents,
         levels,
         visited: BTreeSet::new(),
         drawn: Vec::new(),
@@ -54,6 +59,8 @@ struct Walk<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
     pieces: &'a [Vec<usize>],
+    /// The node above each that has one.
+    parents: BTreeMap<usize, usize>,
     /// Nodes that are a coarser level of another.
     levels: BTreeSet<usize>,
     visited: BTreeSet<usize>,
@@ -113,8 +120,9 @@ impl Walk<'_> {
         let Some(mesh) = node.mesh else { return Ok(()) };
         let meshes = self.pieces.get(mesh).ok_or_else(|| broken(format!("there is no mesh {mesh}")))?;
         let too_many = || broken(format!("its meshes have more than {MOST_PLACES} places"));
+        let bound = node.skin.map(|skin| self.bound(skin)).transpose()?.flatten();
         let places = match &node.extensions.instancing {
-            None => vec![at],
+            None => vec![bound.unwrap_or(at)],
             Some(instancing) => {
                 let of = |name: &str| instancing.attributes.get(name).copied();
                 let attributes = ["TRANSLATION", "ROTATION", "SCALE"].map(of);
@@ -138,6 +146,31 @@ impl Walk<'_> {
             self.drawn.push(Drawn { mesh, node, places: places.clone(), level, above: above.to_vec() });
         }
         Ok(())
+    }
+
+    /// Where a mesh is that is bound to joints, at rest: where the first of them is, wherever its own node stands.
+    fn bound(&self, skin: usize) -> Result<Option<Affine3A>, ReadError> {
+        let nodes = &self.document.nodes;
+        let skin = self.document.skins.get(skin).ok_or_else(|| broken(format!("there is no skin {skin}")))?;
+        let Some(&joint) = skin.joints.first() else { return Ok(None) };
+        let mut unbind = Affine3A::IDENTITY;
+        if let Some(matrices) = skin.inverse_bind_matrices {
+            if self.buffers.packed(matrices).is_some() {
+                return Ok(None);
+            }
+            let values = self.buffers.values(matrices)?;
+            let matrix = values.rows().next().and_then(|row| row.first_chunk::<16>());
+            unbind = matrix.map_or(unbind, |matrix| Affine3A::from_mat4(Mat4::from_cols_array(matrix)));
+        }
+        let (mut place, mut at) = (Affine3A::IDENTITY, Some(joint));
+        // No way up is longer than there are nodes.
+        for _ in 0..nodes.len() {
+            let Some(index) = at else { break };
+            let node = nodes.get(index).ok_or_else(|| broken(format!("there is no node {index}")))?;
+            place = transform(node) * place;
+            at = self.parents.get(&index).copied();
+        }
+        Ok(Some(place * unbind))
     }
 
     fn instances(
