@@ -237,11 +237,12 @@ impl Graph<'_> {
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
                     let extras = Extras { linden, target_names, linden_wind_cube, ..Extras::default() };
-                    self.meshes.push(Mesh {
-                        name: format!("{}{suffix}", stage_plant.name),
-                        primitives,
-                        extras,
-                    });
+                    // A billboard, say, is called so.
+                    let name = match model.parts.as_slice() {
+                        [only] if self.stage.is_single() => model.full_name(&only.name),
+                        _ => stage_plant.name.clone(),
+                    };
+                    self.meshes.push(Mesh { name: format!("{name}{suffix}"), primitives, extras });
                 }
             }
         }

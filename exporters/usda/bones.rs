@@ -2,7 +2,7 @@
 //!
 //! All of it is within the `SkelRoot` that a plant's `Geometry` is.
 
-use glam::Vec3;
+use glam::{DQuat, DVec3, Vec3};
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::wind::{Binding, Bones, INFLUENCES};
 
@@ -74,7 +74,7 @@ rel skel:animationSource = <{path}/Wind>"
 /// The box round what is bound, in each frame: that of the joints, and as much around it as there is at rest. What
 /// computes the extent of a `SkelRoot` does the same (`ComputeExtentsPadding`), so that all who ask get one box.
 fn extents(bones: &Bones, pieces: &[&MeshPart<'_>]) -> impl Iterator<Item = Bounds> {
-    let rest = Bounds::of(bones.joints.iter().map(|joint| joint.place));
+    let rest = Bounds::of(places(bones, None).into_iter());
     let bound = pieces.iter().filter(|piece| piece.wind.is_some()).map(|piece| piece.bounds);
     let around = |piece: Bounds| {
         let rest = rest.unwrap_or(piece);
@@ -84,10 +84,21 @@ fn extents(bones: &Bones, pieces: &[&MeshPart<'_>]) -> impl Iterator<Item = Boun
     let still = pieces.iter().filter(|piece| piece.wind.is_none()).map(|piece| piece.bounds);
     let still = still.reduce(Bounds::union);
     (0..=bones.sway.frames()).filter_map(move |frame| {
-        let joints = Bounds::of(bones.pose(frame).iter().map(|(_, place)| *place))?;
+        let joints = Bounds::of(places(bones, Some(frame)).into_iter())?;
         let padded = Bounds { min: joints.min - around_m, max: joints.max + around_m };
         Some(still.map_or(padded, |still| still.union(padded)))
     })
+}
+
+/// Where the joints are at a frame, or at rest: along their arms as readers of the file go, in double precision.
+fn places(bones: &Bones, frame: Option<u32>) -> Vec<Vec3> {
+    let mut pose: Vec<(DQuat, DVec3)> = Vec::with_capacity(bones.joints.len());
+    for (index, joint) in bones.joints.iter().enumerate() {
+        let (turn, place) = joint.parent.map_or((DQuat::IDENTITY, DVec3::ZERO), |parent| pose[parent]);
+        let own = frame.map_or(DQuat::IDENTITY, |frame| bones.turn(index, frame).as_dquat().normalize());
+        pose.push((turn * own, place + turn * bones.arm(index).as_dvec3()));
+    }
+    pose.iter().map(|(_, place)| place.as_vec3()).collect()
 }
 
 /// How many joints a vertex is bound to at most.

@@ -22,7 +22,7 @@ fn every_client_takes_what_has_joints() {
     run("bones.py", &dir);
     export(&scene, "gltf", &[("quantize", "true")], &dir.join("quantized.gltf")).unwrap();
     export(&scene, "usdz", &[], &dir.join("tree.usdz")).unwrap();
-    let (recipe, grown, _) = dressed(&[bones, ("lods", "2"), ("billboard", "2")]);
+    let (recipe, grown, _) = dressed(&[bones, ("lods", "2")]);
     let all = levels(&recipe, &grown, &Quiet).unwrap().levels;
     let stage = Stage::of_levels(&all[0].scene, all.iter().map(Level::on_stage).collect());
     for (file, options) in [
