@@ -227,7 +227,9 @@ def has_joints(path):
     from pxr import Usd
 
     stage = Usd.Stage.Open(str(path))
-    return any(prim.HasAttribute("primvars:skel:jointIndices") for prim in stage.Traverse())
+    # Trees of a forest are instances.
+    prims = stage.Traverse(Usd.TraverseInstanceProxies())
+    return any(prim.HasAttribute("primvars:skel:jointIndices") for prim in prims)
 
 
 def with_nvidia(path):
