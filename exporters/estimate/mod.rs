@@ -112,7 +112,7 @@ impl Estimate {
         let organs = &grown.organs;
         let WindSettings { wind, blow, bones } = recipe.preset.dressing.wind;
         let (joints, frames) = match wind {
-            Wind::Bones => (most_joints(skeleton, &bones).into(), Sway::new(&blow).frames().into()),
+            Wind::Bones => (most_joints(skeleton, bones).into(), Sway::new(&blow).frames().into()),
             _ => (0, 0),
         };
         let tinted = (0..organs.len()).filter(|&i| organs.color(i).is_none());

@@ -22,7 +22,7 @@ fn at_all_sizes(make: impl Fn(Bench) -> Bench) -> String {
 /// The screen without the number of presets: one more is not another view.
 fn uncounted(bench: &Bench) -> String {
     let count = bench.model.library.len().to_string();
-    bench.screen().replace(&format!("of {count} ─"), &format!("of {} ─", "N".repeat(count.len())))
+    bench.screen().replace(&format!("of {count} ─"), &format!("of N {}", "─".repeat(count.len())))
 }
 
 /// The same with a tree and some keys.

@@ -102,7 +102,7 @@ impl<'a> Field<'a> {
         let key = specimen.key().named("wind");
         let field = || {
             let field = Self::new(whole, blow, *wind, key);
-            if *wind == Wind::Bones { field.with_bones(blow, bones) } else { field }
+            if *wind == Wind::Bones { field.with_bones(blow, *bones) } else { field }
         };
         (*wind != Wind::Off).then(field)
     }
@@ -129,7 +129,7 @@ impl<'a> Field<'a> {
     }
 
     /// The same by joints that turn.
-    fn with_bones(mut self, blow: &Blow, bones: &BoneSettings) -> Self {
+    fn with_bones(mut self, blow: &Blow, bones: BoneSettings) -> Self {
         self.rig = Some(Rig::new(&self, bones, &Arc::new(Sway::new(blow))));
         self
     }

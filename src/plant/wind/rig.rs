@@ -47,7 +47,7 @@ const STILL: Shares = [(0, 1.0), (0, 0.0), (0, 0.0), (0, 0.0)];
 
 impl Rig {
     /// The joints of a tree: the more there are on an axis, the more swings with it.
-    pub fn new(field: &Field<'_>, settings: &BoneSettings, sway: &Arc<Sway>) -> Self {
+    pub fn new(field: &Field<'_>, settings: BoneSettings, sway: &Arc<Sway>) -> Self {
         let whole = field.whole;
         let counts = counts(field, settings);
         let ground = (0..whole.axes.len())
@@ -129,7 +129,9 @@ impl Rig {
         // as what bears it.
         if along < 0.5 && piece == 0 {
             add(number(0), 2.0 * along);
-            foot.into_iter().for_each(|(joint, share)| add(joint, share * (1.0 - 2.0 * along)));
+            for (joint, share) in foot {
+                add(joint, share * (1.0 - 2.0 * along));
+            }
         } else if along < 0.5 {
             add(number(piece), 0.5 + along);
             add(number(piece - 1), 0.5 - along);
@@ -146,14 +148,14 @@ impl Rig {
 }
 
 /// How many joints a tree has at most, that of the ground among them.
-pub fn most_joints(whole: &Skeleton, settings: &BoneSettings) -> u32 {
+pub fn most_joints(whole: &Skeleton, settings: BoneSettings) -> u32 {
     let axes = whole.axes.iter().filter(|axis| axis.order <= settings.order).count() as u64;
     (1 + axes * u64::from(MOST_OF_AXIS)).min(settings.most.into()) as u32
 }
 
 /// How many joints each axis has: one by one they go where most is won by them, but none to an axis on one that has
 /// none. Strength and direction of the wind have no part in it.
-fn counts(field: &Field<'_>, settings: &BoneSettings) -> Vec<u32> {
+fn counts(field: &Field<'_>, settings: BoneSettings) -> Vec<u32> {
     let whole = field.whole;
     let bearer = |axis: usize| match whole.axes[axis].parent {
         NO_PARENT => None,

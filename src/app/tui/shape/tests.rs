@@ -594,7 +594,7 @@ fn the_palette_turns_knobs_and_shows_presets() {
     bench.keys(":").typed("leaf_form\n");
     let at = (bench.model.focus, bench.model.form.selected);
     assert_eq!(at, (Pane::Shape, Some(FormSpot::Knob("leaf_form"))));
-    bench.keys(":").typed("weeping\n");
+    bench.keys(":").typed("weeping-w\n");
     let shown = bench.model.library.entry().map(|entry| entry.id.clone());
     assert_eq!(shown.as_deref(), Some("weeping-willow"));
     assert_eq!(bench.model.loading, Some(TreePlace::Builtin("weeping-willow")));

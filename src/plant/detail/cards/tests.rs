@@ -117,7 +117,8 @@ fn a_tree_of_cards_covers_what_the_tree_covers() {
 
 #[test]
 fn levels_share_one_picture_and_each_card_shows_a_part_of_its_own() {
-    let (subject, grown) = subject("drawn-ash", &[("triangles", "20000"), ("lods", "3"), ("card_size", "512")]);
+    let (subject, grown) =
+        subject("drawn-ash", &[("triangles", "20000"), ("lods", "3"), ("card_size", "512")]);
     let levels = dressed(&subject, &grown);
     let pictures: Vec<_> = levels
         .iter()
