@@ -410,8 +410,7 @@ fn document(
     let has_translucent = materials
         .iter()
         .any(|material| material.extensions.as_ref().is_some_and(|all| all.diffuse_transmission.is_some()));
-    let mut standing = Standing::default();
-    standing.binds = bones::lay_out(distinct, layout);
+    let mut standing = Standing { binds: bones::lay_out(distinct, layout), ..Default::default() };
     if options.is_on("instances") {
         if nodes::are_instances(stage, options) {
             standing.plants = nodes::lay_out_instances(stage, layout);

@@ -74,7 +74,7 @@ rel skel:animationSource = <{path}/Wind>"
 /// The box round what is bound, in each frame: that of the joints, and as much around it as there is at rest. What
 /// computes the extent of a `SkelRoot` does the same (`ComputeExtentsPadding`), so that all who ask get one box.
 fn extents(bones: &Bones, pieces: &[&MeshPart<'_>]) -> impl Iterator<Item = Bounds> {
-    let rest = Bounds::of(places(bones, None).into_iter());
+    let rest = Bounds::of(places(bones, None));
     let bound = pieces.iter().filter(|piece| piece.wind.is_some()).map(|piece| piece.bounds);
     let around = |piece: Bounds| {
         let rest = rest.unwrap_or(piece);
@@ -84,7 +84,7 @@ fn extents(bones: &Bones, pieces: &[&MeshPart<'_>]) -> impl Iterator<Item = Boun
     let still = pieces.iter().filter(|piece| piece.wind.is_none()).map(|piece| piece.bounds);
     let still = still.reduce(Bounds::union);
     (0..=bones.sway.frames()).filter_map(move |frame| {
-        let joints = Bounds::of(places(bones, Some(frame)).into_iter())?;
+        let joints = Bounds::of(places(bones, Some(frame)))?;
         let padded = Bounds { min: joints.min - around_m, max: joints.max + around_m };
         Some(still.map_or(padded, |still| still.union(padded)))
     })
