@@ -97,7 +97,7 @@ fn larger_trees_are_forecast_from_a_sample() {
         ("oak", &[("seed", "5"), ("points", "40000")]),
         ("oak", &[("sides", "64"), ("rings", "4")]),
         ("drawn-beech", &[("points", "50000"), ("leaves_per_m", "90")]),
-        ("linden", &[("points", "3000"), ("seed", "8")]),
+        ("drawn-linden", &[("points", "3000"), ("seed", "8")]),
         ("apple", &[("points", "24000"), ("seed", "2")]),
         ("umbrella-thorn", &[("points", "20000")]),
         ("olive", &[("points", "30000"), ("age", "0.5")]),
