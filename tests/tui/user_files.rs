@@ -118,7 +118,7 @@ fn a_preset_that_is_put_into_the_folder_is_listed() {
     let home = Home::new();
     std::fs::create_dir_all(home.file("config/presets")).unwrap();
     // So high that the whole list is in sight.
-    let workbench = Workbench::open(&home, 140, 120, &["open", "fir"]);
+    let workbench = Workbench::open(&home, 140, 200, &["open", "fir"]);
     assert!(!workbench.screen().text().contains("Yours"));
     home.write("config/presets/mine.toml", GOOD);
     workbench.wait_for_text("Yours");

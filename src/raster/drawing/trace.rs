@@ -279,7 +279,9 @@ pub(super) fn organs(
     let bytes = bytes_of::<Shape>(leaves.len())
         + bytes_of::<[Vec2; 3]>(corners.len())
         + bytes_of::<u32>(corners.len());
-    ledger.take(bytes)?;
+    // What the wood drew is there twice while it moves into them.
+    let moving = drawing.bytes();
+    ledger.take(bytes + moving)?;
     drawing.shapes.reserve_exact(leaves.len());
     drawing.points.reserve_exact(3 * corners.len());
     drawing.ends.reserve_exact(corners.len());
@@ -291,7 +293,7 @@ pub(super) fn organs(
             }
         });
     }
-    ledger.give_back(bytes_held);
+    ledger.give_back(bytes_held + moving);
     Ok(())
 }
 
