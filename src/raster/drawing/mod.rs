@@ -113,19 +113,36 @@ impl Drawing {
         let Framing { framed, view, .. } = Framing::new(skeleton, camera, style, size)?;
         let ledger = Ledger::new(monitor);
         ledger.take(picture_bytes(size))?;
-        let mut drawing = Self {
-            size,
-            background: style.background,
-            shapes: Vec::new(),
-            points: Vec::new(),
-            ends: Vec::new(),
-            words: Vec::new(),
-        };
+        let mut drawing = Self::empty(size, style.background);
         obstructions::trace(&mut drawing, &framed, &view, style, monitor)?;
         trace::wood(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
         trace::organs(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
-        beside::trace(&mut drawing, &framed, &view, style, monitor)?;
+        let mut beside = Self::empty(size, style.background);
+        beside::trace(&mut beside, &framed, &view, style, monitor)?;
+        // Both lists of places are there while the longer one moves.
+        ledger.take(drawing.bytes())?;
+        drawing.append(beside);
         Ok(drawing)
+    }
+
+    const fn empty(size: Size, background: Background) -> Self {
+        Self { size, background, shapes: Vec::new(), points: Vec::new(), ends: Vec::new(), words: Vec::new() }
+    }
+
+    /// Adds another drawing's shapes over its own; the lists get no more room than they need.
+    fn append(&mut self, over: Self) {
+        let (points, ends) = (self.points.len() as u32, self.ends.len() as u32);
+        self.shapes.reserve_exact(over.shapes.len());
+        self.points.reserve_exact(over.points.len());
+        self.ends.reserve_exact(over.ends.len());
+        self.shapes.extend(
+            over.shapes
+                .into_iter()
+                .map(|shape| Shape { lines: shape.lines.start + ends..shape.lines.end + ends, ..shape }),
+        );
+        self.points.extend(over.points);
+        self.ends.extend(over.ends.into_iter().map(|end| end + points));
+        self.words.extend(over.words);
     }
 
     /// How large it is, pixels.

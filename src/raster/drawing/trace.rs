@@ -230,13 +230,16 @@ pub(super) fn organs(
     let frame = Vec2::new(drawing.size.width() as f32, drawing.size.height() as f32);
     let (mut leaves, mut corners): (Vec<Leaf>, Vec<[Vec2; 3]>) = (Vec::new(), Vec::new());
     let (mut shaper, mut mesh) = (Shaper::default(), Mesh::default());
+    let bytes_of_lists =
+        |leaves: usize, corners: usize| bytes_grown::<Leaf>(leaves) + bytes_grown::<[Vec2; 3]>(corners);
     let mut bytes_held = 0;
     for organ in 0..organs.len() {
         if organ % CHECK_EVERY == 0 {
             monitor.check()?;
-            let bytes = bytes_grown::<Leaf>(leaves.len()) + bytes_grown::<[Vec2; 3]>(corners.len());
-            ledger.take(bytes - bytes_held)?;
-            bytes_held = bytes;
+            let bytes = bytes_of_lists(leaves.len(), corners.len());
+            // What was not shown has left its room behind.
+            ledger.take(bytes.saturating_sub(bytes_held))?;
+            bytes_held = bytes.max(bytes_held);
         }
         let hanging = organs.growth(organ);
         let node = hanging.node as usize;
@@ -272,6 +275,9 @@ pub(super) fn organs(
         depth_m /= mesh.triangles.len().max(1) as f32;
         leaves.push(Leaf { depth_m, color, triangles: first..corners.len() });
     }
+    let bytes = bytes_of_lists(leaves.len(), corners.len()).max(bytes_held);
+    ledger.take(bytes - bytes_held)?;
+    bytes_held = bytes;
     leaves.sort_unstable_by(|a, b| {
         b.depth_m.total_cmp(&a.depth_m).then(a.triangles.start.cmp(&b.triangles.start))
     });
