@@ -50,6 +50,13 @@ impl<'a> Ledger<'a> {
         self.monitor.admit(DOING, held, ADVICE)
     }
 
+    /// Asks for what a list that held `held` bytes takes more, now that it holds `bytes`.
+    pub fn grow(&self, held: &mut u64, bytes: u64) -> Result<(), OverMemory> {
+        let more = bytes.saturating_sub(*held);
+        *held += more;
+        self.take(more)
+    }
+
     pub fn give_back(&self, bytes: u64) {
         self.bytes.fetch_sub(bytes, Ordering::Relaxed);
     }

@@ -119,8 +119,8 @@ impl Drawing {
         trace::organs(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
         let mut beside = Self::empty(size, style.background);
         beside::trace(&mut beside, &framed, &view, style, monitor)?;
-        // Both lists of places are there while the longer one moves.
-        ledger.take(drawing.bytes())?;
+        // The drawing is there twice while it moves to where both have room, beside what is added to it.
+        ledger.take(drawing.bytes() + 2 * beside.bytes())?;
         drawing.append(beside);
         Ok(drawing)
     }

@@ -76,8 +76,7 @@ pub(super) fn wood(
         if i % CHECK_EVERY == 0 {
             monitor.check()?;
             let bytes = bytes_grown::<Place>(places_kept) + bytes_grown::<ThickAxis>(thick.len());
-            ledger.take(bytes - bytes_held)?;
-            bytes_held = bytes;
+            ledger.grow(&mut bytes_held, bytes)?;
         }
         let runs_on = forks.runs_on(i as u32);
         places(skeleton, (axis, runs_on), view, present.as_deref(), &mut line);
@@ -106,8 +105,7 @@ pub(super) fn wood(
         }
     }
     let bytes = bytes_grown::<Place>(places_kept) + bytes_grown::<ThickAxis>(thick.len());
-    ledger.take(bytes - bytes_held)?;
-    bytes_held = bytes;
+    ledger.grow(&mut bytes_held, bytes)?;
     // Equal colours in one shape: fewer to draw, fewer to write.
     thick.sort_by_key(|axis| (axis.layer, axis.color));
     for ((_, color, class), bundle) in thin {
@@ -236,10 +234,7 @@ pub(super) fn organs(
     for organ in 0..organs.len() {
         if organ % CHECK_EVERY == 0 {
             monitor.check()?;
-            let bytes = bytes_of_lists(leaves.len(), corners.len());
-            // What was not shown has left its room behind.
-            ledger.take(bytes.saturating_sub(bytes_held))?;
-            bytes_held = bytes.max(bytes_held);
+            ledger.grow(&mut bytes_held, bytes_of_lists(leaves.len(), corners.len()))?;
         }
         let hanging = organs.growth(organ);
         let node = hanging.node as usize;
@@ -275,9 +270,7 @@ pub(super) fn organs(
         depth_m /= mesh.triangles.len().max(1) as f32;
         leaves.push(Leaf { depth_m, color, triangles: first..corners.len() });
     }
-    let bytes = bytes_of_lists(leaves.len(), corners.len()).max(bytes_held);
-    ledger.take(bytes - bytes_held)?;
-    bytes_held = bytes;
+    ledger.grow(&mut bytes_held, bytes_of_lists(leaves.len(), corners.len()))?;
     leaves.sort_unstable_by(|a, b| {
         b.depth_m.total_cmp(&a.depth_m).then(a.triangles.start.cmp(&b.triangles.start))
     });
