@@ -149,6 +149,16 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         Vec::new()
     }
 
+    /// Gives a key of [`Settings::written`] another text, where that is no file; whether these settings have such a key.
+    fn set_text(&mut self, _key: &str, _text: &str) -> bool {
+        false
+    }
+
+    /// The trees that their input tells apart, where a knob picks one of them and is not turned.
+    fn trees(&self, _inputs: &Inputs) -> Option<InputTrees> {
+        None
+    }
+
     /// The same with every knob at its default.
     fn plain(&self) -> Box<dyn Settings>;
 
@@ -462,6 +472,17 @@ impl Colonized {
     pub fn bytes(&self) -> u64 {
         bytes_of::<Vec3>(self.points.capacity())
     }
+}
+
+/// Trees that an input tells apart.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputTrees {
+    /// The knob that picks one by its number.
+    pub knob: &'static str,
+    /// The input's column that numbers them.
+    pub column: String,
+    /// The numbers in rising order, with how many points each tree has.
+    pub numbers: Vec<(u32, usize)>,
 }
 
 /// A scan, and how near the tree that grew into it came.

@@ -53,7 +53,7 @@ fn main() {
     let placed: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
     let mut preset = Preset::of("scan", linden::preset::ScanSettings::of("scan.ply".to_owned()));
     preset.set("origin", "keep").unwrap();
-    let geometry = Geometry::Points(Arc::new(points.clone()));
+    let geometry = Geometry::Points(Arc::new(points.clone().into()));
     let input = Input { hash: 0, up: Up::Y, geometry };
     let recipe = Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect());
     let grown = grow(&recipe, &Quiet).unwrap();

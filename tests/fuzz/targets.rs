@@ -8,7 +8,9 @@ use linden::dress::dress;
 use linden::grow::outline;
 use linden::grow::{GrowError, grow};
 use linden::input::read_picture;
-use linden::input::{read_e57, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff};
+use linden::input::{
+    Cloud, TreeColumn, read_e57, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff,
+};
 use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
 use linden::preset::{Colonization, KNOBS, Preset, QsmSettings, ScanSettings, Space, builtin_file};
@@ -231,7 +233,10 @@ fn obj(bytes: &[u8]) -> String {
 /// Meshes and points, as text and binary.
 fn ply(bytes: &[u8]) -> String {
     match read_ply(bytes, &reading()) {
-        Ok(data) => sound_mesh(&data.positions, &data.faces),
+        Ok(data) => {
+            sound_mesh(&data.positions, &data.faces);
+            sound_trees(&data.trees, data.positions.len());
+        }
         Err(error) => drop(said(&error)),
     }
     told_by_content(bytes)
@@ -240,22 +245,32 @@ fn ply(bytes: &[u8]) -> String {
 /// Points as text.
 fn xyz(bytes: &[u8]) -> String {
     match read_xyz(bytes, &reading()) {
-        Ok(points) => sound_mesh(&points, &[]),
+        Ok(cloud) => sound_cloud(&cloud),
         Err(error) => drop(said(&error)),
     }
     told_by_content(bytes)
 }
 
+/// Finite points, and the number of a tree for each.
+fn sound_cloud(cloud: &Cloud) {
+    sound_mesh(&cloud.positions, &[]);
+    sound_trees(&cloud.trees, cloud.positions.len());
+}
+
+fn sound_trees(trees: &[TreeColumn], count: usize) {
+    assert!(trees.iter().all(|column| column.numbers.len() == count));
+}
+
 /// Points of scanners and surveys: the first byte of what a file opens with says of which format.
 fn cloud(bytes: &[u8]) -> String {
-    let points = match bytes.first() {
+    let cloud = match bytes.first() {
         Some(b'L') => read_las(bytes, &reading()),
-        Some(b'A') => read_e57(bytes, &reading()),
+        Some(b'A') => read_e57(bytes, &reading()).map(Cloud::from),
         Some(b'#') => read_pcd(bytes, &reading()),
-        _ => read_ptx(bytes, &reading()),
+        _ => read_ptx(bytes, &reading()).map(Cloud::from),
     };
-    match points {
-        Ok(points) => sound_mesh(&points, &[]),
+    match cloud {
+        Ok(cloud) => sound_cloud(&cloud),
         Err(error) => drop(said(&error)),
     }
     told_by_content(bytes)

@@ -1,6 +1,6 @@
 //! Point clouds that other programs wrote (`tests/fixtures/clouds/make.py` says which).
 
-use linden::input::{Geometry, Input, Up};
+use linden::input::{Cloud, Geometry, Input, Up};
 use linden::{DVec3, Quiet};
 
 /// The points of all files, as `make.py` has them.
@@ -13,13 +13,13 @@ fn points() -> Vec<DVec3> {
         .collect()
 }
 
-fn read(name: &str) -> Vec<DVec3> {
+fn read(name: &str) -> Cloud {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/clouds").join(name);
     // The name says nothing.
     let input = Input::read("cloud.txt", &std::fs::read(path).unwrap(), &Quiet).unwrap();
     assert_eq!(input.up, Up::Z);
-    let Geometry::Points(points) = input.geometry else { panic!("{name} holds no points") };
-    points.to_vec()
+    let Geometry::Points(cloud) = input.geometry else { panic!("{name} holds no points") };
+    cloud.as_ref().clone()
 }
 
 #[test]
@@ -35,10 +35,16 @@ fn clouds_of_other_programs_are_read_to_the_last_digit() {
         ("pypcd4-binary.pcd", DVec3::ZERO),
         ("pypcd4-binary_compressed.pcd", DVec3::ZERO),
     ] {
-        let found = read(name);
+        let cloud = read(name);
+        let found = cloud.positions;
         assert_eq!(found.len(), points().len(), "{name}");
         for (found, point) in found.iter().zip(points()) {
             assert!(found.distance(point + offset) < 2e-9, "{name}: {found} is not {point}");
         }
+        // Twenty points a number, of which 0 is no tree's.
+        let trees: Vec<_> = cloud.trees.iter().map(|column| (&*column.name, column.counts())).collect();
+        let expected =
+            if name.starts_with("laspy") { vec![("PredInstance", vec![(1, 20), (2, 20)])] } else { vec![] };
+        assert_eq!(trees, expected, "{name}");
     }
 }

@@ -236,7 +236,7 @@ fn a_chosen_step_decides_the_detail() {
 /// The tree that grows from points, as a command line grows it.
 fn grown_from(points: Vec<DVec3>) -> Grown {
     let mut recipe = Recipe::new(Preset::of("mine", linden::preset::ScanSettings::of("mine.xyz")));
-    let geometry = Geometry::Points(Arc::new(points));
+    let geometry = Geometry::Points(Arc::new(points.into()));
     recipe.inputs.insert("mine.xyz", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()
 }

@@ -153,7 +153,7 @@ pub fn grown_back(points: Vec<DVec3>, settings: &[(&str, &str)]) -> Grown {
     for (knob, value) in [("origin", "keep")].iter().chain(settings) {
         preset.set(knob, value).unwrap();
     }
-    let geometry = Geometry::Points(Arc::new(points));
+    let geometry = Geometry::Points(Arc::new(points.into()));
     let input = Input { hash: 0, up: Up::Y, geometry };
     grow(&Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect()), &Quiet).unwrap()
 }

@@ -15,13 +15,14 @@ fn every_bit_survives_whatever_the_separators() {
     for (separator, end) in [(" ", "\n"), ("\t", "\r\n"), (",", "\n"), (" ; ", "\r"), (", ", "\n\n")] {
         let row = |p: &DVec3| [p.x, p.y, p.z, 255.0].map(|x| x.to_string()).join(separator) + end;
         let text: String = points().iter().map(row).collect();
-        assert_eq!(read_xyz(text.as_bytes(), &Quiet).unwrap(), points(), "{separator:?}");
+        assert_eq!(read_xyz(text.as_bytes(), &Quiet).unwrap().positions, points(), "{separator:?}");
     }
 }
 
 #[test]
 fn a_survey_comes_near_the_origin_upright() {
-    let mut points = read_xyz(b"446000.5 5428000.25 310.0\n446001.5 5428000.25 320.0\n", &Quiet).unwrap();
+    let cloud = read_xyz(b"446000.5 5428000.25 310.0\n446001.5 5428000.25 320.0\n", &Quiet).unwrap();
+    let mut points = cloud.positions;
     let foot = points[0];
     recenter(&mut points, foot);
     Up::Z.to_y_up(&mut points);
@@ -41,7 +42,7 @@ fn mangled_files_give_a_value_or_an_error() {
         }
         let _ = sniff(&bytes, "x.xyz");
         match read_xyz(&bytes, &Quiet) {
-            Ok(points) => assert!(points.iter().all(|p| p.is_finite())),
+            Ok(cloud) => assert!(cloud.positions.iter().all(|p| p.is_finite())),
             Err(_) => errors += 1,
         }
     }

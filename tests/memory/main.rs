@@ -96,7 +96,7 @@ fn scan(count: u32) -> Recipe {
     let rows: Vec<String> = (0..count).map(place).map(|p| format!("{} {} {}", p.x, -p.z, p.y)).collect();
     let text = rows.join("\n");
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
-    assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
+    assert!(matches!(&input.geometry, Geometry::Points(cloud) if cloud.positions.len() == count as usize));
     let preset = linden::preset::Preset::of("scan", linden::preset::ScanSettings::of("scan.xyz"));
     Recipe::with_files(preset, [("scan.xyz", input)].into_iter().collect())
 }

@@ -88,7 +88,7 @@ fn row(subject: &Subject, survey: Survey) -> Row {
     let mut preset = Preset::of("scan", ScanSettings::of("scan.ply".to_owned()));
     preset.set("origin", "keep").unwrap();
     let count = points.len();
-    let input = Input { hash: 0, up: Up::Y, geometry: Geometry::Points(Arc::new(points)) };
+    let input = Input { hash: 0, up: Up::Y, geometry: Geometry::Points(Arc::new(points.into())) };
     let back = Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect());
     let back = grow(&back, &Quiet).unwrap();
     Row { points: count, truth: TreeSizes::of(&grown.skeleton), back: TreeSizes::of(&back.skeleton) }

@@ -222,8 +222,11 @@ fn the_packed_file_holds_the_same_points_upright_and_the_same_bytes_each_time() 
     let bytes = laz::file(&scan, "test", &Quiet).unwrap();
     assert_eq!(bytes, laz::file(&scan, "test", &Quiet).unwrap());
     let found = linden::input::read_las(&bytes, &Quiet).unwrap();
-    assert_eq!(found.len(), scan.points.len());
-    for (found, point) in found.iter().zip(&scan.points) {
+    assert_eq!(found.positions.len(), scan.points.len());
+    let trees: Vec<u32> = scan.points.iter().map(|point| scan.truth(point).tree as u32).collect();
+    let columns: Vec<_> = found.trees.iter().map(|column| (&*column.name, &column.numbers)).collect();
+    assert_eq!(columns, [("treeID", &trees)]);
+    for (found, point) in found.positions.iter().zip(&scan.points) {
         let Vec3 { x, y, z } = point.position;
         assert!(found.distance(Vec3::new(x, -z, y).as_dvec3()) < 1e-4, "{found} {point:?}");
     }

@@ -7,9 +7,9 @@ use glam::DVec3;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
-    CylinderRow, CylinderTable, InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture,
-    read_cylinders, read_e57, read_las, read_obj, read_pcd, read_picture, read_ply, read_ptx, read_xyz,
-    sniff,
+    Cloud, CylinderRow, CylinderTable, InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture,
+    picture, read_cylinders, read_e57, read_las, read_obj, read_pcd, read_picture, read_ply, read_ptx,
+    read_xyz, sniff,
 };
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
@@ -97,8 +97,8 @@ pub struct Input {
 pub enum Geometry {
     /// A surface.
     Mesh(Arc<TriangleMesh>),
-    /// Places.
-    Points(Arc<Vec<DVec3>>),
+    /// Places, and which trees they belong to.
+    Points(Arc<Cloud>),
     /// Trees as cylinders.
     Cylinders(Arc<CylinderTable>),
     /// Pixels.
@@ -112,7 +112,7 @@ impl Input {
             Geometry::Mesh(mesh) => {
                 bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
             }
-            Geometry::Points(points) => bytes_of::<DVec3>(points.capacity()),
+            Geometry::Points(cloud) => cloud.bytes(),
             Geometry::Cylinders(table) => bytes_of::<CylinderRow>(table.count()),
             Geometry::Picture(picture) => picture.picture.rgba().len() as u64,
         }
@@ -133,9 +133,9 @@ impl Input {
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
             InputKind::PlyMesh | InputKind::PlyPoints => {
-                let PlyData { positions, faces: triangles } = read_ply(bytes, monitor)?;
+                let PlyData { positions, faces: triangles, trees } = read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
-                    Geometry::Points(Arc::new(positions))
+                    Geometry::Points(Arc::new(Cloud { positions, trees }))
                 } else {
                     Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
                 };
@@ -143,9 +143,9 @@ impl Input {
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
             InputKind::LasPoints => (Up::Z, Geometry::Points(Arc::new(read_las(bytes, monitor)?))),
-            InputKind::E57Points => (Up::Z, Geometry::Points(Arc::new(read_e57(bytes, monitor)?))),
+            InputKind::E57Points => (Up::Z, Geometry::Points(Arc::new(read_e57(bytes, monitor)?.into()))),
             InputKind::PcdPoints => (Up::Z, Geometry::Points(Arc::new(read_pcd(bytes, monitor)?))),
-            InputKind::PtxPoints => (Up::Z, Geometry::Points(Arc::new(read_ptx(bytes, monitor)?))),
+            InputKind::PtxPoints => (Up::Z, Geometry::Points(Arc::new(read_ptx(bytes, monitor)?.into()))),
             InputKind::Cylinders { .. } => {
                 let table = read_cylinders(bytes, monitor)?;
                 (table.dialect.up(), Geometry::Cylinders(Arc::new(table)))
@@ -167,7 +167,7 @@ impl Input {
     pub fn extent(&self) -> String {
         match &self.geometry {
             Geometry::Mesh(mesh) => format!("{} triangles", mesh.triangles.len()),
-            Geometry::Points(points) => format!("{} points", points.len()),
+            Geometry::Points(cloud) => format!("{} points", cloud.positions.len()),
             Geometry::Cylinders(table) => format!("{} cylinders", table.count()),
             Geometry::Picture(picture) => {
                 format!("{}×{} pixels", picture.picture.width(), picture.picture.height())

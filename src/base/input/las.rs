@@ -12,7 +12,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use glam::DVec3;
 use las::{PointDataBuilder, Reader};
 
-use super::{InputError, READING, READING_ADVICE, in_range, make_room};
+use super::cloud::{Columns, tells_trees};
+use super::{Cloud, InputError, READING, READING_ADVICE, in_range, make_room};
 use crate::memory::bytes_of;
 use crate::monitor::{Monitor, Phase};
 
@@ -24,12 +25,13 @@ const BYTES_PER_PIECE: u64 = 1 << 24;
 /// Classes of the format's table that are noise.
 const NOISE: [u8; 2] = [7, 18];
 
-/// Reads the points of a LAS or LAZ file; Z is up.
+/// Reads the points of a LAS or LAZ file; Z is up. Extra bytes whose names say so tell the trees apart (`treeID`,
+/// `PredInstance` …).
 ///
 /// # Errors
 /// [`InputError`]: a header that is none or announces more than the file holds, damaged data with the number of the
 /// record, no points; no memory; cancelled.
-pub fn read_las(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
+pub fn read_las(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     check_header(bytes)?;
     // The crate's reader owns what it reads.
     monitor.admit(READING, bytes_of::<u8>(bytes.len()), READING_ADVICE)?;
@@ -38,16 +40,14 @@ pub fn read_las(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
         .unwrap_or_else(|_| Err(whole("its data are damaged; export it anew")))
 }
 
-fn read_all(
-    file: Cursor<Vec<u8>>,
-    file_bytes: usize,
-    monitor: &dyn Monitor,
-) -> Result<Vec<DVec3>, InputError> {
+fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     let held = bytes_of::<u8>(file_bytes);
     let mut reader = Reader::new(file).map_err(|error| whole(&format!("its header: {error}")))?;
     let total = reader.header().number_of_points();
     // Of each record the byte of flags and the class: see the format's tables of point records.
     let is_extended = reader.header().point_format().is_extended;
+    let extra = ExtraBytes::of(reader.header());
+    let mut columns = Columns::new(extra.iter().map(|extra| extra.name.clone()));
     let mut points = Vec::new();
     let mut piece = PointDataBuilder::new().for_header(reader.header()).build();
     let mut done = 0;
@@ -75,8 +75,13 @@ fn read_all(
             for coordinate in [x, y, z] {
                 in_range(coordinate).map_err(|expected| damaged(&format!("expected {expected}")))?;
             }
+            let so_far = held.saturating_add(bytes_of::<DVec3>(points.capacity()));
+            columns.make_room(so_far, monitor)?;
             make_room(&points, points.capacity(), held, monitor)?;
             points.push(DVec3::new(x, y, z));
+            for (column, extra) in extra.iter().enumerate() {
+                columns.push(column, extra.value(record));
+            }
         }
         done += found;
         monitor.advance(Phase::Read, done, Some(total));
@@ -86,7 +91,101 @@ fn read_all(
             "none of its {total} records is a point that is not withheld and no noise"
         )));
     }
-    Ok(points)
+    Ok(Cloud { positions: points, trees: columns.finish() })
+}
+
+/// One of the further values of each record, which the format calls extra bytes and describes in a record of its own
+/// (LAS 1.4, table 24).
+struct ExtraBytes {
+    name: String,
+    /// The number of its type in the format's table, 1 to 10.
+    kind: u8,
+    /// Where it ends, from the end of the record.
+    from_end: usize,
+    no_data: Option<f64>,
+    scale: f64,
+    offset: f64,
+}
+
+impl ExtraBytes {
+    /// Bytes of a description.
+    const ROW: usize = 192;
+    /// Bytes of the types 1 to 10.
+    const SIZES: [usize; 10] = [1, 1, 2, 2, 4, 4, 8, 8, 4, 8];
+
+    /// Those that tell trees apart.
+    fn of(header: &las::Header) -> Vec<Self> {
+        let total = usize::from(header.point_format().extra_bytes);
+        let mut all = header.vlrs().iter().chain(header.evlrs());
+        let Some(table) = all.find(|vlr| vlr.user_id == "LASF_Spec" && vlr.record_id == 4) else {
+            return Vec::new();
+        };
+        let mut found = Vec::new();
+        let mut at = 0;
+        for row in table.data.chunks_exact(Self::ROW) {
+            let (kind, options) = (row[2], row[3]);
+            let bytes = match kind {
+                0 => usize::from(options),
+                1..=10 => Self::SIZES[usize::from(kind) - 1],
+                // The old pairs and triples.
+                11..=20 => 2 * Self::SIZES[usize::from(kind) - 11],
+                21..=30 => 3 * Self::SIZES[usize::from(kind) - 21],
+                _ => break,
+            };
+            if at + bytes > total {
+                break;
+            }
+            let name = String::from_utf8_lossy(&row[4..36]);
+            let name = name.trim_end_matches('\0').trim();
+            if (1..=10).contains(&kind) && tells_trees(name) {
+                let number = |at: usize| row[at..at + 8].try_into().map_or(0.0, f64::from_le_bytes);
+                let has = |bit: u8| options & (1 << bit) != 0;
+                // It is written in the widest type of its kind.
+                let wide = match kind {
+                    1 | 3 | 5 | 7 => 7,
+                    2 | 4 | 6 | 8 => 8,
+                    _ => 10,
+                };
+                found.push(Self {
+                    name: name.to_owned(),
+                    kind,
+                    from_end: total - at,
+                    no_data: has(0).then(|| decoded(wide, &row[40..48])),
+                    scale: if has(3) { number(112) } else { 1.0 },
+                    offset: if has(4) { number(136) } else { 0.0 },
+                });
+            }
+            at += bytes;
+        }
+        found
+    }
+
+    /// Its value in a record; NaN where there is none.
+    fn value(&self, record: &[u8]) -> f64 {
+        let start = record.len().saturating_sub(self.from_end);
+        let raw = decoded(self.kind, &record[start..]);
+        if self.no_data == Some(raw) { f64::NAN } else { raw * self.scale + self.offset }
+    }
+}
+
+/// A number of one of the types 1 to 10 at the beginning of some bytes; NaN where these end before.
+fn decoded(kind: u8, bytes: &[u8]) -> f64 {
+    fn first<const N: usize>(bytes: &[u8]) -> Option<[u8; N]> {
+        bytes.first_chunk().copied()
+    }
+    let value = match kind {
+        1 => first(bytes).map(|[byte]| f64::from(byte)),
+        2 => first(bytes).map(|b| f64::from(i8::from_le_bytes(b))),
+        3 => first(bytes).map(|b| f64::from(u16::from_le_bytes(b))),
+        4 => first(bytes).map(|b| f64::from(i16::from_le_bytes(b))),
+        5 => first(bytes).map(|b| f64::from(u32::from_le_bytes(b))),
+        6 => first(bytes).map(|b| f64::from(i32::from_le_bytes(b))),
+        7 => first(bytes).map(|b| u64::from_le_bytes(b) as f64),
+        8 => first(bytes).map(|b| i64::from_le_bytes(b) as f64),
+        9 => first(bytes).map(|b| f64::from(f32::from_le_bytes(b))),
+        _ => first(bytes).map(f64::from_le_bytes),
+    };
+    value.unwrap_or(f64::NAN)
 }
 
 /// What the crate would believe: where the points begin, and how many chunks there are.
@@ -171,10 +270,70 @@ mod tests {
     #[test]
     fn surveyed_points_keep_their_millimetres_and_noise_is_left_out() {
         let records = [([512, 7, 312_250], 2), ([1, 2, 3], 7), ([4, 5, 6], 0x80), ([-1000, 1000, 0], 5)];
-        let points = read_las(&file(&records), &Quiet).unwrap();
+        let points = read_las(&file(&records), &Quiet).unwrap().positions;
         assert_eq!(points.len(), 2);
         assert!(points[0].distance(DVec3::new(446_000.512, 5_428_000.007, 312.25)) < 1e-8);
         assert!(points[1].distance(DVec3::new(445_999.0, 5_428_001.0, 0.0)) < 1e-8);
+    }
+
+    /// [`file`] with extra bytes behind each record, described by rows of name, type, options, `no_data`, scale and offset.
+    fn with_extra(rows: &[(&str, u8, u8, [u8; 8], f64, f64)], records: &[Vec<u8>]) -> Vec<u8> {
+        let plain = file(&vec![([1, 2, 3], 2); records.len()]);
+        let mut table = Vec::new();
+        for (name, kind, options, no_data, scale, offset) in rows {
+            let mut row = vec![0, 0, *kind, *options];
+            row.extend(name.bytes());
+            row.resize(40, 0);
+            row.extend(no_data);
+            row.resize(112, 0);
+            row.extend(scale.to_le_bytes());
+            row.resize(136, 0);
+            row.extend(offset.to_le_bytes());
+            row.resize(192, 0);
+            table.extend(row);
+        }
+        let mut bytes = plain[..227].to_vec();
+        bytes.extend([0, 0]);
+        bytes.extend(b"LASF_Spec\0\0\0\0\0\0\0");
+        bytes.extend(4_u16.to_le_bytes());
+        bytes.extend((table.len() as u16).to_le_bytes());
+        bytes.extend([0; 32]);
+        bytes.extend(table);
+        let start = bytes.len() as u32;
+        bytes[96..100].copy_from_slice(&start.to_le_bytes());
+        bytes[100..104].copy_from_slice(&1_u32.to_le_bytes());
+        bytes[105..107].copy_from_slice(&(20 + records[0].len() as u16).to_le_bytes());
+        for (record, extra) in plain[227..].chunks_exact(20).zip(records) {
+            bytes.extend(record);
+            bytes.extend(extra);
+        }
+        bytes
+    }
+
+    #[test]
+    fn extra_bytes_tell_trees_apart() {
+        // Undocumented bytes, an old pair and a colour before it; then its own number of no tree.
+        let none = i64::from(-7_i16).to_le_bytes();
+        let rows = [
+            ("", 0, 3, [0; 8], 0.0, 0.0),
+            ("tree pair", 13, 0, [0; 8], 0.0, 0.0),
+            ("red", 3, 0, [0; 8], 0.0, 0.0),
+            ("PredInstance_SAT", 4, 1, none, 0.0, 0.0),
+            ("treeID", 9, 0b1_1000, [0; 8], 2.0, 1.0),
+        ];
+        let record = |instance: i16, tree: f32| {
+            let mut bytes = vec![9; 3 + 4 + 2];
+            bytes.extend(instance.to_le_bytes());
+            bytes.extend(tree.to_le_bytes());
+            bytes
+        };
+        let records = [record(5, 1.0), record(-7, 2.0), record(300, f32::NAN), record(-1, -1.0)];
+        let cloud = read_las(&with_extra(&rows, &records), &Quiet).unwrap();
+        let columns: Vec<_> = cloud.trees.iter().map(|column| (&*column.name, &column.numbers[..])).collect();
+        assert_eq!(columns, [("PredInstance_SAT", &[5, 0, 300, 0][..]), ("treeID", &[3, 5, 0, 0][..])]);
+        // A table that says more than records have.
+        let short = [vec![9; 9], vec![9; 9]];
+        assert_eq!(read_las(&with_extra(&rows, &short), &Quiet).unwrap().trees, []);
     }
 
     #[test]
@@ -191,8 +350,8 @@ mod tests {
             for to in [0, 1, 0x7f, 0x80, 0xff] {
                 let mut bytes = whole.clone();
                 bytes[at] = to;
-                if let Ok(points) = read_las(&bytes, &Quiet) {
-                    assert!(points.iter().all(|p| p.is_finite()));
+                if let Ok(cloud) = read_las(&bytes, &Quiet) {
+                    assert!(cloud.positions.iter().all(|p| p.is_finite()));
                 }
             }
         }

@@ -9,6 +9,7 @@
 //! Positions are `f64` as the file has them; [`Up::to_y_up`] turns them and [`recenter`] takes them
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
 
+mod cloud;
 mod cylinders;
 mod e57;
 mod inputs;
@@ -24,6 +25,7 @@ mod xyz;
 
 use glam::DVec3;
 
+pub use cloud::{Cloud, TreeColumn};
 pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
 pub use e57::read_e57;
 pub use inputs::{Geometry, Input, Inputs};
@@ -277,10 +279,10 @@ mod tests {
             bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
         };
         let reads: [(&str, Read<'_>); 3] = [
-            ("XYZ", &|poor| Ok(bytes_of::<DVec3>(read_xyz(points.as_bytes(), poor)?.capacity()))),
+            ("XYZ", &|poor| Ok(read_xyz(points.as_bytes(), poor)?.bytes())),
             ("OBJ", &|poor| Ok(mesh_bytes(&read_obj(mesh.as_bytes(), poor)?))),
             ("PLY", &|poor| {
-                let PlyData { positions, faces: triangles } = read_ply(ply.as_bytes(), poor)?;
+                let PlyData { positions, faces: triangles, .. } = read_ply(ply.as_bytes(), poor)?;
                 Ok(mesh_bytes(&TriangleMesh { positions, triangles }))
             }),
         ];

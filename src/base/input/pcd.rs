@@ -1,11 +1,12 @@
 //! Reads PCD, the format of the Point Cloud Library: ASCII, binary, and binary compressed by LZF.
 //!
 //! `VIEWPOINT` is where the scanner stood and moves nothing; rows with NaN are places without an echo and are left out; other
-//! fields are passed over. What the header announces is held against the bytes that follow.
+//! fields are passed over, but for those that tell trees apart, like `label`. What the header announces is held against the bytes that follow.
 
 use glam::DVec3;
 
-use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, in_range, make_room, quoted};
+use super::cloud::{Columns, tells_trees};
+use super::{Cloud, InputError, READING, READING_ADVICE, ROWS_PER_CHECK, in_range, make_room, quoted};
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 
@@ -44,12 +45,13 @@ const MOST: usize = 4096;
 /// # Errors
 /// [`InputError`] with the line: a header that lacks something, has no fields x, y, z or announces more than the file
 /// holds; damaged data; no points; no memory; cancelled.
-pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
+pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     let header = Header::read(bytes)?;
     let columns = header.columns()?;
+    let mut points = Points::of(&header);
     let body = &bytes[header.data..];
-    let points = match header.encoding {
-        Encoding::Ascii => read_ascii(body, &header, columns, monitor)?,
+    match header.encoding {
+        Encoding::Ascii => read_ascii(body, &header, columns, &mut points, monitor)?,
         Encoding::Binary => {
             let row = header.row_bytes();
             let needed = header.points.saturating_mul(row);
@@ -61,7 +63,7 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
                 )));
             }
             let place = |column: usize, point: usize| point * row + header.bytes_before(column);
-            read_binary(body, &header, columns, &place, monitor)?
+            read_binary(body, &header, (columns, &place), &mut points, monitor)?;
         }
         Encoding::Compressed => {
             let raw = unpacked(body, header.points.saturating_mul(header.row_bytes()), monitor)?;
@@ -69,13 +71,57 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
                 let Field { size, count, .. } = header.fields[column];
                 header.bytes_before(column) * header.points + point * size * count
             };
-            read_binary(&raw, &header, columns, &place, monitor)?
+            read_binary(&raw, &header, (columns, &place), &mut points, monitor)?;
         }
-    };
-    if points.is_empty() {
+    }
+    if points.positions.is_empty() {
         return Err(whole(&format!("none of its {} points has a place", header.points)));
     }
-    Ok(points)
+    Ok(Cloud { positions: points.positions, trees: points.trees.finish() })
+}
+
+/// What is read of the points.
+struct Points {
+    positions: Vec<DVec3>,
+    trees: Columns,
+    /// The fields of `trees`.
+    fields: Vec<usize>,
+}
+
+impl Points {
+    /// None yet, with the columns that tell trees apart.
+    fn of(header: &Header) -> Self {
+        let is_one = |&at: &usize| header.fields[at].count == 1 && tells_trees(&header.fields[at].name);
+        let fields: Vec<usize> = (0..header.fields.len()).filter(is_one).collect();
+        let trees = Columns::new(fields.iter().map(|&at| header.fields[at].name.clone()));
+        Self { positions: Vec::new(), trees, fields }
+    }
+
+    /// Adds a point and what it says of its tree, unless its place is the NaN of one without an echo.
+    fn push(
+        &mut self,
+        point: [f64; 3],
+        of_tree: impl Fn(usize) -> f64,
+        held: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Fault> {
+        if point.iter().any(|x| x.is_nan()) {
+            return Ok(());
+        }
+        for x in point {
+            in_range(x).map_err(Fault::Place)?;
+        }
+        let positions = &mut self.positions;
+        let over = |error| Fault::Other(InputError::Memory(error));
+        let so_far = held.saturating_add(bytes_of::<DVec3>(positions.capacity()));
+        self.trees.make_room(so_far, monitor).map_err(over)?;
+        make_room(positions, positions.capacity(), held, monitor).map_err(over)?;
+        positions.push(DVec3::from(point));
+        for (column, &field) in self.fields.iter().enumerate() {
+            self.trees.push(column, of_tree(field));
+        }
+        Ok(())
+    }
 }
 
 impl Header {
@@ -167,11 +213,11 @@ fn read_ascii(
     body: &[u8],
     header: &Header,
     columns: [usize; 3],
+    points: &mut Points,
     monitor: &dyn Monitor,
-) -> Result<Vec<DVec3>, InputError> {
+) -> Result<(), InputError> {
     let before = |column: usize| header.fields[..column].iter().map(|field| field.count).sum::<usize>();
     let places = columns.map(before);
-    let mut points = Vec::new();
     let mut rows = 0;
     for (line, row) in (header.line + 1..).zip(body.split(|&byte| byte == b'\n')) {
         if line % ROWS_PER_CHECK == 0 {
@@ -191,38 +237,45 @@ fn read_ascii(
             let word = words.get(place).copied().unwrap_or_default();
             *x = word.parse().map_err(|_| error(line, &format!("a number in column {}", place + 1), &row))?;
         }
-        push(&mut points, point, 0, monitor)
+        let of_tree =
+            |field: usize| words.get(before(field)).and_then(|word| word.parse().ok()).unwrap_or(f64::NAN);
+        points
+            .push(point, of_tree, 0, monitor)
             .map_err(|fault| fault.on(|expected| error(line, expected, &row)))?;
     }
     if rows < header.points {
         return Err(whole(&format!("{} points are announced, {rows} follow: it is cut off", header.points)));
     }
-    Ok(points)
+    Ok(())
 }
 
 fn read_binary(
     body: &[u8],
     header: &Header,
-    columns: [usize; 3],
-    place: &dyn Fn(usize, usize) -> usize,
+    (columns, place): ([usize; 3], &dyn Fn(usize, usize) -> usize),
+    points: &mut Points,
     monitor: &dyn Monitor,
-) -> Result<Vec<DVec3>, InputError> {
-    let mut points = Vec::new();
+) -> Result<(), InputError> {
     for point in 0..header.points {
         if point % ROWS_PER_CHECK == 0 {
             monitor.check()?;
         }
-        let mut position = [0.0; 3];
-        for (x, column) in position.iter_mut().zip(columns) {
+        let value = |column: usize| {
             let Field { size, kind, .. } = header.fields[column];
             let at = place(column, point);
-            let value = body.get(at..at + size).and_then(|bytes| scalar(bytes, kind));
-            *x = value.ok_or_else(|| whole(&format!("point {point}: the data end; it is cut off")))?;
+            body.get(at..at + size).and_then(|bytes| scalar(bytes, kind))
+        };
+        let mut position = [0.0; 3];
+        for (x, column) in position.iter_mut().zip(columns) {
+            *x =
+                value(column).ok_or_else(|| whole(&format!("point {point}: the data end; it is cut off")))?;
         }
         let fault = |expected: &str| whole(&format!("point {point}: expected {expected}"));
-        push(&mut points, position, bytes_of::<u8>(body.len()), monitor).map_err(|found| found.on(fault))?;
+        let of_tree = |field: usize| value(field).unwrap_or(f64::NAN);
+        let held = bytes_of::<u8>(body.len());
+        points.push(position, of_tree, held, monitor).map_err(|found| found.on(fault))?;
     }
-    Ok(points)
+    Ok(())
 }
 
 fn scalar(bytes: &[u8], kind: char) -> Option<f64> {
@@ -252,19 +305,6 @@ impl Fault {
             Self::Other(error) => error,
         }
     }
-}
-
-/// Adds a point, unless it is the NaN of a place without an echo.
-fn push(points: &mut Vec<DVec3>, point: [f64; 3], held: u64, monitor: &dyn Monitor) -> Result<(), Fault> {
-    if point.iter().any(|x| x.is_nan()) {
-        return Ok(());
-    }
-    for x in point {
-        in_range(x).map_err(Fault::Place)?;
-    }
-    make_room(points, points.capacity(), held, monitor).map_err(|error| Fault::Other(error.into()))?;
-    points.push(DVec3::from(point));
-    Ok(())
 }
 
 /// Decompresses LZF (M. Lehmann's liblzf): runs of literal bytes, and copies from before. Two numbers of 32 bits come first: of
@@ -323,7 +363,7 @@ mod tests {
 
     fn header(points: usize, data: &str) -> Vec<u8> {
         format!(
-            "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS intensity x y z _\nSIZE 1 4 4 8 2\n\
+            "# .PCD v0.7 - Point Cloud Data file format\nVERSION 0.7\nFIELDS label x y z _\nSIZE 1 4 4 8 2\n\
              TYPE U F F F U\nCOUNT 1 1 1 1 3\nWIDTH {points}\nHEIGHT 1\nVIEWPOINT 9 9 9 1 0 0 0\nPOINTS {points}\nDATA {data}\n"
         )
         .into_bytes()
@@ -379,7 +419,10 @@ mod tests {
         let rows = rows.concat();
         let ascii = [header(51, "ascii"), rows.into_bytes(), b"7 nan nan nan 0 0 0\n".to_vec()].concat();
         for (name, bytes) in [("ascii", ascii), ("binary", binary(&points)), ("lzf", compressed(&points))] {
-            assert_eq!(read_pcd(&bytes, &Quiet).unwrap(), points, "{name}");
+            let cloud = read_pcd(&bytes, &Quiet).unwrap();
+            assert_eq!(cloud.positions, points, "{name}");
+            let trees: Vec<_> = cloud.trees.iter().map(|column| (&*column.name, column.counts())).collect();
+            assert_eq!(trees, [("label", vec![(7, 50)])], "{name}");
             for length in 0..bytes.len() - 20 {
                 assert!(read_pcd(&bytes[..length], &Quiet).is_err(), "{name} {length}");
             }

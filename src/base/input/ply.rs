@@ -11,6 +11,7 @@
 
 use glam::DVec3;
 
+use super::cloud::{Columns, TreeColumn, tells_trees};
 use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, make_room, quoted};
 use crate::knob::printable;
 use crate::memory::{OverMemory, bytes_grown, bytes_of};
@@ -24,6 +25,8 @@ pub struct PlyData {
     /// The elements `face`, polygons as fans, and `tristrips`; indices of `positions`, each in range. Empty
     /// for points.
     pub faces: Vec<[u32; 3]>,
+    /// Properties of the vertices that tell trees apart, the likeliest first.
+    pub trees: Vec<TreeColumn>,
 }
 
 /// Values of vertices, a column for each property that was asked for.
@@ -84,7 +87,7 @@ fn read(bytes: &[u8], columns: &mut [Column], monitor: &dyn Monitor) -> Result<P
     for element in &header.elements {
         body.can_hold(element)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut data.positions, columns, monitor)?,
+            "vertex" => read_vertices(&mut body, element, &mut data, columns, monitor)?,
             "face" | "tristrips" => {
                 let held = bytes_of::<DVec3>(data.positions.capacity());
                 read_faces(&mut body, element, &mut data.faces, held, monitor)?;
@@ -457,7 +460,7 @@ fn skip(body: &mut Body<'_>, element: &Element, monitor: &dyn Monitor) -> Result
 fn read_vertices(
     body: &mut Body<'_>,
     element: &Element,
-    positions: &mut Vec<DVec3>,
+    data: &mut PlyData,
     columns: &mut [Column],
     monitor: &dyn Monitor,
 ) -> Result<(), InputError> {
@@ -472,13 +475,20 @@ fn read_vertices(
         }
     };
     let axes = [axis("x")?, axis("y")?, axis("z")?];
+    let is_of_trees =
+        |property: &Property| matches!(property.kind, Kind::Scalar(_)) && tells_trees(&property.name);
+    let of_trees: Vec<usize> =
+        (0..element.properties.len()).filter(|&i| is_of_trees(&element.properties[i])).collect();
+    let mut trees = Columns::new(of_trees.iter().map(|&i| element.properties[i].name.clone()));
     // Bounded by the file's size: `can_hold` has seen the bytes.
-    let held =
-        bytes_of::<DVec3>(element.rows as usize) + bytes_of::<f32>(columns.len() * element.rows as usize);
+    let values = (columns.len() + of_trees.len()) * element.rows as usize;
+    let held = bytes_of::<DVec3>(element.rows as usize) + bytes_of::<f32>(values);
     monitor.admit(READING, held, READING_ADVICE)?;
     for column in columns.iter_mut() {
         column.find(element);
     }
+    trees.reserve_exact(element.rows as usize);
+    let positions = &mut data.positions;
     positions.reserve_exact(element.rows as usize);
     let position = std::cell::Cell::new(DVec3::ZERO);
     each_property(
@@ -495,14 +505,25 @@ fn read_vertices(
             }
             (None, Kind::Scalar(scalar)) => {
                 let column = columns.iter_mut().find(|column| column.index == Some(i));
-                let Some(column) = column else { return Ok(body.skip_property(kind)?) };
-                column.values.push(body.number(scalar)? as f32);
+                let of_tree = of_trees.iter().position(|&tree| tree == i);
+                if column.is_none() && of_tree.is_none() {
+                    return Ok(body.skip_property(kind)?);
+                }
+                let value = body.number(scalar)?;
+                if let Some(column) = column {
+                    column.values.push(value as f32);
+                }
+                if let Some(column) = of_tree {
+                    trees.push(column, value);
+                }
                 Ok(())
             }
             _ => Ok(body.skip_property(kind)?),
         },
         || positions.push(position.get()),
-    )
+    )?;
+    data.trees = trees.finish();
+    Ok(())
 }
 
 /// The elements `face` and `tristrips`.

@@ -2,10 +2,11 @@
 
 use glam::DVec3;
 
+use super::cloud::tells_trees;
 use super::coordinate;
 
 /// The layout of a table that is not just `x y z` and further columns.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
     /// Where x, y and z stand.
     columns: [usize; 3],
@@ -15,6 +16,8 @@ pub(super) struct Layout {
     decimal_comma: bool,
     /// Columns that the header names.
     named: usize,
+    /// Columns that tell trees apart, with their names.
+    trees: Vec<(usize, String)>,
 }
 
 impl Layout {
@@ -24,27 +27,37 @@ impl Layout {
         let delimiter = delimiter(row, false);
         let names: Vec<String> = fields(row, delimiter).map(plain).collect();
         let find = |name: &str| names.iter().position(|found| found == name);
+        let titles = fields(row, delimiter).map(|title| title.trim_matches('"').trim().to_owned());
+        let trees = titles.enumerate().filter(|(_, title)| tells_trees(title)).collect();
         Some(Self {
             columns: [find("x")?, find("y")?, find("z")?],
             delimiter,
             decimal_comma: false,
             named: names.len(),
+            trees,
         })
     }
 
     /// The same for the rows below the header: their decimal commas may tell that what parts columns is another sign. `None`
     /// for a row of another number of columns, which the header says nothing of.
-    pub fn with_row(self, row: &str) -> Option<Self> {
+    pub fn with_row(&self, row: &str) -> Option<Self> {
         let layout = match Self::of_decimal_commas(row) {
-            Some(found) => Self { columns: self.columns, ..found },
-            None => Self { delimiter: delimiter(row, false), ..self },
+            Some(found) => {
+                Self { delimiter: found.delimiter, decimal_comma: found.decimal_comma, ..self.clone() }
+            }
+            None => Self { delimiter: delimiter(row, false), ..self.clone() },
         };
-        (fields(row, layout.delimiter).count() == self.named).then_some(Self { named: self.named, ..layout })
+        (fields(row, layout.delimiter).count() == self.named).then_some(layout)
     }
 
-    /// Whether x, y and z come first, as without a header.
+    /// Whether x, y and z come first and nothing else counts, as without a header.
     pub fn is_usual(&self) -> bool {
-        self.columns == [0, 1, 2] && !self.decimal_comma
+        self.columns == [0, 1, 2] && !self.decimal_comma && self.trees.is_empty()
+    }
+
+    /// The names of the columns that tell trees apart.
+    pub fn trees(&self) -> impl Iterator<Item = String> {
+        self.trees.iter().map(|(_, title)| title.clone())
     }
 
     /// The layout of rows with decimal commas, if this is one: between other separators, digits on both sides of a comma.
@@ -61,11 +74,18 @@ impl Layout {
         let decimals = fields.iter().take(3).filter(|field| is_decimal(field)).count();
         // Between semicolons a comma can be nothing else; between blanks, all three must have one.
         let is_one = fields.len() >= 3 && decimals >= if delimiter == Some(';') { 1 } else { 3 };
-        is_one.then_some(Self { columns: [0, 1, 2], delimiter, decimal_comma: true, named: 0 })
+        is_one.then_some(Self {
+            columns: [0, 1, 2],
+            delimiter,
+            decimal_comma: true,
+            named: 0,
+            trees: Vec::new(),
+        })
     }
 
-    /// The point of a row, or what was expected.
-    pub fn position(&self, row: &str) -> Result<DVec3, String> {
+    /// The point of a row with what it says in the columns of [`Layout::trees`], NaN where that is no number; or what was
+    /// expected.
+    pub fn point(&self, row: &str) -> Result<(DVec3, Vec<f64>), String> {
         let mut position = [0.0; 3];
         let fields: Vec<&str> = fields(row, self.delimiter).collect();
         for (x, &column) in position.iter_mut().zip(&self.columns) {
@@ -74,7 +94,12 @@ impl Layout {
                 if self.decimal_comma { coordinate(&field.replace(',', ".")) } else { coordinate(field) };
             *x = found.map_err(|expected| format!("{expected} in column {}", column + 1))?;
         }
-        Ok(DVec3::from(position))
+        let number = |(column, _): &(usize, String)| {
+            let field = fields.get(*column).copied().unwrap_or_default().trim_matches('"');
+            let plain = if self.decimal_comma { field.replace(',', ".") } else { field.to_owned() };
+            plain.parse().unwrap_or(f64::NAN)
+        };
+        Ok((DVec3::from(position), self.trees.iter().map(number).collect()))
     }
 }
 
@@ -116,7 +141,7 @@ mod tests {
             ("name,,x,y,z", "a,,1,2,3", [1.0, 2.0, 3.0]),
         ] {
             let layout = Layout::of_header(header).unwrap().with_row(row).unwrap();
-            assert_eq!(layout.position(row), Ok(DVec3::from(expected)), "{header}");
+            assert_eq!(layout.point(row).map(|(point, _)| point), Ok(DVec3::from(expected)), "{header}");
         }
         assert_eq!(Layout::of_header("columns: x y z").unwrap().with_row("1 2 3"), None);
         for header in ["a title", "1 2 3", "x y", "xx yy zz"] {

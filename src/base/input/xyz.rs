@@ -2,21 +2,24 @@
 
 use glam::DVec3;
 
+use super::cloud::Columns;
 use super::table::Layout;
-use super::{InputError, ROWS_PER_CHECK, coordinate, lines, make_room, quoted, text_of};
+use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, make_room, quoted, text_of};
+use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
 /// the third are passed over, as are blank lines and comments (`#`, `//`). Before the first row
 /// there may be a line with the number of rows, and one line of any text (a header, a title). A header or comment that
-/// names `x`, `y` and `z` says which columns they are. A comma between digits is a decimal one where other signs part the
+/// names `x`, `y` and `z` says which columns they are, and which tell trees apart (`treeID`, `tree` …). A comma between digits is a decimal one where other signs part the
 /// columns. After as many rows as were announced another number may announce more (PTS).
 ///
 /// # Errors
 /// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite;
 /// fewer rows than announced; no rows at all; no memory; cancelled.
-pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
+pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     let mut points = Vec::new();
+    let mut columns = Columns::default();
     let mut announced = None;
     let mut header_seen = false;
     let (mut header, mut layout): (Option<Layout>, Option<Layout>) = (None, None);
@@ -35,14 +38,20 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
             continue;
         }
         if points.is_empty() {
-            layout =
-                header.and_then(|header| header.with_row(row)).or_else(|| Layout::of_decimal_commas(row));
-            layout = layout.filter(|layout| !layout.is_usual());
+            let of_header = header.as_ref().and_then(|header| header.with_row(row));
+            layout = of_header.or_else(|| Layout::of_decimal_commas(row)).filter(|layout| !layout.is_usual());
+            columns = Columns::new(layout.iter().flat_map(Layout::trees));
         }
-        match layout.map_or_else(|| position(row), |layout| layout.position(row)) {
-            Ok(point) => {
+        let read =
+            layout.as_ref().map_or_else(|| Ok((position(row)?, Vec::new())), |layout| layout.point(row));
+        match read {
+            Ok((point, of_trees)) => {
+                columns.make_room(bytes_of::<DVec3>(points.capacity()), monitor)?;
                 make_room(&points, points.capacity(), 0, monitor)?;
                 points.push(point);
+                for (column, value) in of_trees.into_iter().enumerate() {
+                    columns.push(column, value);
+                }
             }
             Err(_)
                 if points.is_empty() && announced.is_none() && !header_seen && row.parse::<u64>().is_ok() =>
@@ -65,7 +74,7 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
             let found = points.len();
             Err(whole(format!("its first line announces {rows} points, {found} follow: it may be cut off")))
         }
-        _ => Ok(points),
+        _ => Ok(Cloud { positions: points, trees: columns.finish() }),
     }
 }
 
@@ -117,7 +126,7 @@ mod tests {
     use crate::monitor::Quiet;
 
     fn read(text: &str) -> Result<Vec<DVec3>, InputError> {
-        read_xyz(text.as_bytes(), &Quiet)
+        Ok(read_xyz(text.as_bytes(), &Quiet)?.positions)
     }
 
     #[test]
@@ -141,6 +150,22 @@ mod tests {
         ] {
             assert_eq!(read(text).as_deref(), Ok(&expected[..]), "{text:?}");
         }
+    }
+
+    #[test]
+    fn a_header_tells_which_column_tells_trees_apart() {
+        for text in [
+            "x,y,z,treeID\n1,2,3,4\n5,6,7,-1\n",
+            "treeID;x;y;z\n4;1;2;3\n0;5;6;7\n",
+            "//X Y Z intensity scalar_treeID\n1 2 3 0.5 4.0\n5 6 7 0.5 nan\n",
+            "x;y;z;tree id\n1,0;2,0;3,0;4\n5,0;6,0;7,0;none\n",
+        ] {
+            let cloud = read_xyz(text.as_bytes(), &Quiet).unwrap();
+            assert_eq!(cloud.positions, [DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 6.0, 7.0)], "{text}");
+            assert_eq!(cloud.column(None).map(|column| &column.numbers[..]), Some(&[4, 0][..]), "{text}");
+        }
+        let cloud = read_xyz(b"x,y,z,intensity\n1,2,3,4\n", &Quiet).unwrap();
+        assert_eq!(cloud.trees, []);
     }
 
     #[test]

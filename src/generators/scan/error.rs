@@ -24,6 +24,9 @@ pub enum ScanGrowthError {
     /// Growth.
     #[error(transparent)]
     Stand(StandError),
+    /// The tree that is asked for is not in the file.
+    #[error("{0}")]
+    Trees(String),
     /// The file is missing or holds something else.
     #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
     WrongInput {

@@ -2,15 +2,15 @@
 
 use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
-use linden_base::input::{Geometry, Inputs, Up};
+use linden_base::input::{Cloud, Geometry, Inputs, Up};
 use linden_base::knob::{Knob, Value};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::stand::grow_at;
 use linden_growth::{Origin, Stand, StandError};
 use linden_skeleton::generator::{
-    Branched, Fit, Generator, GeneratorError, KeyContent, Measured, Passage, RadiiFrom, SampleSize, Sampler,
-    Settings, TableKey, Task, Traits, Written,
+    Branched, Fit, Generator, GeneratorError, InputTrees, KeyContent, Measured, Passage, RadiiFrom,
+    SampleSize, Sampler, Settings, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZATION};
 use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
@@ -19,7 +19,7 @@ use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, at_points};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth};
+use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
@@ -51,6 +51,9 @@ struct Scans;
 /// The key of the file with the points.
 const FILE: &str = "file";
 
+/// The key of the column that tells trees apart.
+const INSTANCE: &str = "instance";
+
 impl Generator for Scans {
     fn id(&self) -> &'static str {
         "scan"
@@ -73,11 +76,18 @@ impl Generator for Scans {
     }
 
     fn keys(&self) -> &'static [TableKey] {
-        &[TableKey {
-            name: FILE,
-            help: "the points (PLY, XYZ), relative to the preset",
-            content: KeyContent::File,
-        }]
+        &[
+            TableKey {
+                name: FILE,
+                help: "the points (LAS, LAZ, E57, PLY, PCD, PTX, XYZ, CSV), relative to the preset",
+                content: KeyContent::File,
+            },
+            TableKey {
+                name: INSTANCE,
+                help: "the file's column that tells trees apart, for the knob 'tree'; without, the likeliest by its name",
+                content: KeyContent::Text,
+            },
+        ]
     }
 
     /// Those of crowns, from when both stood in one table.
@@ -91,11 +101,23 @@ impl Generator for Scans {
 
     fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
         match table.text(FILE)? {
-            Some(file) => Ok(Box::new(ScanSettings::of(file))),
+            Some(file) => {
+                let instance = table.text(INSTANCE)?.map(str::to_owned);
+                Ok(Box::new(ScanSettings { instance, ..ScanSettings::of(file) }))
+            }
             None => Err(Fault::new(
                 table.place,
                 "[scan] has no 'file': name the points, like file = \"tree.ply\"",
             )),
+        }
+    }
+}
+
+impl ScanSettings {
+    fn cloud<'a>(&self, inputs: &'a Inputs) -> Option<&'a Cloud> {
+        match &inputs.get(&self.file)?.geometry {
+            Geometry::Points(cloud) => Some(cloud),
+            _ => None,
         }
     }
 }
@@ -114,11 +136,12 @@ impl Settings for ScanSettings {
     }
 
     fn written(&self) -> Vec<(&'static str, Written)> {
-        vec![(FILE, Written::Text(self.file.clone()))]
+        let instance = self.instance.clone().map(|name| (INSTANCE, Written::Text(name)));
+        std::iter::once((FILE, Written::Text(self.file.clone()))).chain(instance).collect()
     }
 
     fn plain(&self) -> Box<dyn Settings> {
-        Box::new(Self::of(self.file.clone()))
+        Box::new(Self { instance: self.instance.clone(), ..Self::of(self.file.clone()) })
     }
 
     fn inputs(&self) -> Vec<&str> {
@@ -134,7 +157,25 @@ impl Settings for ScanSettings {
     fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
-        vec![Passage { heading: "attraction points", lines: vec![line] }]
+        let points = Passage { heading: "attraction points", lines: vec![line] };
+        let trees = self.cloud(inputs).into_iter().flat_map(|cloud| &cloud.trees).map(trees::line);
+        let lines: Vec<String> = trees.collect();
+        let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
+        std::iter::once(points).chain(trees).collect()
+    }
+
+    fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
+        let cloud = self.cloud(inputs).filter(|_| self.tree.is_none())?;
+        let column = trees::column(self, cloud).ok().flatten()?;
+        Some(InputTrees { knob: "tree", column: column.name.clone(), numbers: column.counts() })
+    }
+
+    fn set_text(&mut self, key: &str, text: &str) -> bool {
+        let is_it = key == INSTANCE;
+        if is_it {
+            self.instance = Some(text.to_owned());
+        }
+        is_it
     }
 
     fn idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
@@ -157,10 +198,8 @@ impl Settings for ScanSettings {
     }
 
     fn limit(&mut self, inputs: &Inputs, size: &SampleSize) -> Result<bool, String> {
-        let points = match inputs.get(&self.file).map(|input| &input.geometry) {
-            Some(Geometry::Points(points)) => points.len(),
-            _ => 0,
-        };
+        let chosen = self.cloud(inputs).and_then(|cloud| trees::chosen(self, cloud).ok());
+        let points = chosen.map_or(0, |(points, _)| points.len());
         self.growth.limit(points, size)
     }
 
@@ -194,9 +233,9 @@ struct Planted {
 }
 
 /// The points of the file, and the axis that usually points up in such files.
-fn points<'a>(settings: &ScanSettings, task: &Task<'a>) -> Result<(&'a [DVec3], Up), ScanGrowthError> {
+fn points<'a>(settings: &ScanSettings, task: &Task<'a>) -> Result<(&'a Cloud, Up), ScanGrowthError> {
     match task.inputs.get(&settings.file).map(|input| (&input.geometry, input.up)) {
-        Some((Geometry::Points(points), up)) => Ok((points, up)),
+        Some((Geometry::Points(cloud), up)) => Ok((cloud, up)),
         _ => Err(ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" }),
     }
 }
@@ -206,10 +245,12 @@ fn planted(
     task: &Task<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Planted, ScanGrowthError> {
-    let (points, up) = points(settings, task)?;
+    let (cloud, up) = points(settings, task)?;
+    let (points, of_trees) = trees::chosen(settings, cloud)?;
     let grow = |what: As| -> Result<Planted, ScanGrowthError> {
-        let (site, bark) = at_points(settings, points, up, task.key(), what, monitor)?;
-        let stand = grow_at(site, &settings.growth, monitor)?;
+        let (site, bark) = at_points(settings, &points, up, task.key(), what, monitor)?;
+        let mut stand = grow_at(site, &settings.growth, monitor)?;
+        stand.notes.splice(0..0, of_trees.clone());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
         let bark = bark.map(|bark| bark.iter().map(place).collect());
         Ok(Planted { stand, bark, is_canopy: what == As::Canopy })

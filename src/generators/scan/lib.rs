@@ -56,6 +56,7 @@ mod segments;
 mod settings;
 mod stems;
 mod stretch;
+mod trees;
 mod trunk;
 
 use glam::DVec3;

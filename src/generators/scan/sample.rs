@@ -1,5 +1,6 @@
 //! Samples of scans: a part of the points, in steps that suit them; wood is as long in any steps.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -9,6 +10,7 @@ use linden_growth::sample::{Lengthening, trunk_share};
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler, Task};
 
+use crate::trees::chosen;
 use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m};
 
 pub(crate) struct ScanPart {
@@ -26,13 +28,21 @@ impl ScanPart {
     pub fn new(settings: &ScanSettings, task: &Task<'_>, size: SampleSize, monitor: &dyn Monitor) -> Self {
         let input = task.inputs.get(&settings.file);
         let given = match input.map(|input| &input.geometry) {
-            Some(Geometry::Points(points)) => &points[..],
-            _ => &[],
+            // What is wrong with them is said by who grows.
+            Some(Geometry::Points(cloud)) => {
+                chosen(settings, cloud).map_or(Cow::Borrowed(&[][..]), |(points, _)| points)
+            }
+            _ => Cow::Borrowed(&[][..]),
         };
+        let given = &given[..];
         let points = given.len();
         let most = size.points >> size.halvings.min(4);
         let share = (most as f64 / points as f64).min(1.0);
         let mut smaller = settings.clone();
+        if share < 1.0 {
+            smaller.tree = None;
+            smaller.instance = None;
+        }
         smaller.growth.max_nodes = settings.growth.max_nodes.min(size.nodes);
         let (mut coarser, mut longer) = (1.0, 1.0);
         let mut inputs = Inputs::new();
@@ -44,7 +54,7 @@ impl ScanPart {
                 coarser = libm::cbrt(1.0 / share);
             }
             let mut input = input.clone();
-            input.geometry = Geometry::Points(Arc::new(part));
+            input.geometry = Geometry::Points(Arc::new(part.into()));
             inputs.insert(settings.file.clone(), input);
         }
         if coarser > 1.0 {

@@ -20,6 +20,10 @@ words! {
 pub struct ScanSettings {
     /// The file with the points.
     pub file: String,
+    /// The file's column that tells trees apart; `None`: the likeliest by its name.
+    pub instance: Option<String>,
+    /// The number of the tree in that column, rounded; `None`: all points, whichever tree they belong to.
+    pub tree: Option<f64>,
     /// How it grows into the points.
     pub growth: GrowthSettings,
     /// Whether the points lie on the surface of a tree, as a scanner's do, and are moved onto its axes first.
@@ -37,6 +41,21 @@ pub struct ScanSettings {
 impl ScanSettings {
     /// The knobs of scans themselves.
     pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "tree",
+            real_or_auto(1.0, u32::MAX as f64),
+            "",
+            "the number of the tree in a scan whose points say which they belong to; auto: all points are one tree",
+            tree,
+            details(
+                "Programs that segment scans of forests number the trees in a column of their own: extra bytes of LAS and \
+                 LAZ, a property of PLY, a field of PCD, a column of a table with a header. It is told by its name, like \
+                 PredInstance, treeID, tree, instance or label; where there are several, instance = \"NAME\" in the \
+                 preset's [scan] picks one. 0 and less is no tree. linden show lists the numbers, and linden export \
+                 PLOT -o FOLDER/ grows each tree."
+            ),
+            see_also(&["stems", "contract"])
+        ),
         field!(
             "contract",
             Kind::Switch,
@@ -110,6 +129,8 @@ impl ScanSettings {
     pub fn of(file: impl Into<String>) -> Self {
         Self {
             file: file.into(),
+            instance: None,
+            tree: None,
             growth: GrowthSettings::default(),
             contract: true,
             scan_radius: ScanRadius::Points,

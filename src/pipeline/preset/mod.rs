@@ -268,6 +268,9 @@ impl Preset {
             .map(|knob| (knob, Value::Auto));
         let found = knobs.iter().find(|(knob, _)| knob.knob.is_called(name)).or(of_kind.as_ref());
         let Some((knob, _)) = found else {
+            if self.generator.set_text(name, text) {
+                return Ok(());
+            }
             let known: Vec<&'static str> = knobs.iter().map(|(knob, _)| knob.knob.name).collect();
             let preset = printable(&self.id);
             return Err(match KNOBS.iter().find(|knob| knob.knob.is_called(name)) {

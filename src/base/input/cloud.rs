@@ -1,0 +1,188 @@
+//! Points, with the numbers of the trees that a segmentation gave them to.
+
+use glam::DVec3;
+
+use super::{READING, READING_ADVICE};
+use crate::memory::{OverMemory, bytes_grown, bytes_of};
+use crate::monitor::Monitor;
+
+/// Points as a file has them.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cloud {
+    /// In the file's units and axes.
+    pub positions: Vec<DVec3>,
+    /// Columns that tell trees apart, the likeliest first.
+    pub trees: Vec<TreeColumn>,
+}
+
+/// The number of the tree that each point belongs to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TreeColumn {
+    /// As the file names it.
+    pub name: String,
+    /// One for each position; 0: of no tree.
+    pub numbers: Vec<u32>,
+}
+
+impl Cloud {
+    /// The column of a name, whichever case it is written in; without a name the likeliest.
+    pub fn column(&self, name: Option<&str>) -> Option<&TreeColumn> {
+        match name {
+            None => self.trees.first(),
+            Some(name) => {
+                let exact = self.trees.iter().find(|column| column.name == name);
+                exact.or_else(|| self.trees.iter().find(|column| column.name.eq_ignore_ascii_case(name)))
+            }
+        }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
+        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>()
+    }
+}
+
+impl From<Vec<DVec3>> for Cloud {
+    fn from(positions: Vec<DVec3>) -> Self {
+        Self { positions, trees: Vec::new() }
+    }
+}
+
+impl TreeColumn {
+    /// The trees' numbers in rising order, with how many points each has.
+    pub fn counts(&self) -> Vec<(u32, usize)> {
+        let mut counts = std::collections::BTreeMap::<u32, usize>::new();
+        for run in self.numbers.chunk_by(|a, b| a == b).filter(|run| run[0] != 0) {
+            *counts.entry(run[0]).or_default() += run.len();
+        }
+        counts.into_iter().collect()
+    }
+}
+
+/// Words that the names of such columns have in them, the likeliest first: those of programs that segment scans of
+/// forests, then those of others.
+const WORDS: [&str; 8] =
+    ["predinstance", "treeid", "tree", "instance", "stem", "segment", "cluster", "label"];
+
+/// How likely a column of this name tells trees apart, 0 the likeliest; `None`: its name says nothing of the kind. Case,
+/// blanks, `_`, and the `scalar_` of `CloudCompare` do not count.
+fn rank(name: &str) -> Option<usize> {
+    // Other facts about trees and stems.
+    const OTHERS: [&str; 7] = ["species", "height", "radius", "dbh", "dist", "prob", "score"];
+    let plain: String = name
+        .chars()
+        .filter(|letter| letter.is_alphanumeric())
+        .map(|letter| letter.to_ascii_lowercase())
+        .collect();
+    let plain = plain.strip_prefix("scalar").unwrap_or(&plain);
+    if OTHERS.iter().any(|word| plain.contains(word)) {
+        return None;
+    }
+    WORDS.iter().position(|word| plain.contains(word))
+}
+
+/// Whether a column of this name may tell trees apart.
+pub(super) fn tells_trees(name: &str) -> bool {
+    rank(name).is_some()
+}
+
+/// Columns that are being read.
+#[derive(Default)]
+pub(super) struct Columns(Vec<Reading>);
+
+struct Reading {
+    column: TreeColumn,
+    /// All values so far are whole numbers.
+    is_whole: bool,
+}
+
+impl Columns {
+    /// Those of these names.
+    pub fn new(names: impl IntoIterator<Item = String>) -> Self {
+        let reading = |name| Reading { column: TreeColumn { name, numbers: Vec::new() }, is_whole: true };
+        Self(names.into_iter().map(reading).collect())
+    }
+
+    /// Makes room for so many values of each, which was asked for.
+    pub fn reserve_exact(&mut self, rows: usize) {
+        for reading in &mut self.0 {
+            reading.column.numbers.reserve_exact(rows);
+        }
+    }
+
+    /// Asks for memory whenever the lists are about to move to larger places, beside `held` bytes.
+    pub fn make_room(&self, held: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let Some(first) = self.0.first().map(|reading| &reading.column.numbers) else { return Ok(()) };
+        if first.len() < first.capacity() {
+            return Ok(());
+        }
+        let bytes = bytes_grown::<u32>(first.len() + 1).saturating_mul(self.0.len() as u64);
+        monitor.admit(READING, bytes.saturating_add(held), READING_ADVICE)
+    }
+
+    /// Adds the value of a point to a column. What is below 1 or no number is of no tree; a fraction makes the whole column
+    /// one of something else.
+    pub fn push(&mut self, column: usize, value: f64) {
+        let Some(Reading { column, is_whole }) = self.0.get_mut(column) else { return };
+        *is_whole &= value.is_nan() || value.fract() == 0.0 && value <= f64::from(u32::MAX);
+        column.numbers.push(if value >= 1.0 { value as u32 } else { 0 });
+    }
+
+    /// Those that tell trees apart, the likeliest first.
+    pub fn finish(self) -> Vec<TreeColumn> {
+        let is_one = |reading: &Reading| reading.is_whole && reading.column.numbers.iter().any(|&n| n > 0);
+        let mut found: Vec<TreeColumn> =
+            self.0.into_iter().filter(is_one).map(|reading| reading.column).collect();
+        found.sort_by_key(|column| rank(&column.name));
+        found
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_segmentations_give_are_known() {
+        for name in [
+            "PredInstance",
+            "PredInstance_SAT",
+            "3DT_PredInstance_17",
+            "treeID",
+            "TreeID",
+            "tree_id",
+            "tree",
+            "scalar_treeID",
+            "instance",
+            "Tree ID",
+            "label",
+            "segment",
+        ] {
+            assert!(tells_trees(name), "{name}");
+        }
+        for name in ["intensity", "red", "classification", "gps_time", "tree_height", "species", "axis", ""] {
+            assert!(!tells_trees(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_likeliest_column_comes_first_and_fractions_are_no_trees() {
+        let mut columns = Columns::new(["label", "instance_share", "treeID", "tree"].map(str::to_owned));
+        for (column, values) in
+            [(0, [1.0, 2.0, 2.0]), (1, [1.0, 0.5, 2.0]), (2, [f64::NAN, -1.0, 7.0]), (3, [0.0, 0.0, -1.0])]
+        {
+            for value in values {
+                columns.push(column, value);
+            }
+        }
+        let trees = columns.finish();
+        assert_eq!(trees.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["treeID", "label"]);
+        assert_eq!(trees[0].numbers, [0, 0, 7]);
+        assert_eq!(trees[1].counts(), [(1, 1), (2, 2)]);
+        let cloud = Cloud { positions: vec![DVec3::ZERO; 3], trees };
+        assert_eq!(cloud.column(None), cloud.column(Some("TREEID")));
+        assert_eq!(cloud.column(Some("label")).map(|column| column.name.as_str()), Some("label"));
+        assert_eq!(cloud.column(Some("axis")), None);
+    }
+}
