@@ -20,6 +20,8 @@ pub struct Stand {
     pub points: Vec<Vec3>,
     /// From the coordinates of the [`Site`] to that place.
     pub shift: DVec3,
+    /// The root's place in the file that the points are from, Y up, metres.
+    pub foot: DVec3,
     /// Solids that no branch is to enter, in the coordinates of the [`Site`].
     pub barriers: Vec<Barrier>,
     /// Points that were not reached.
@@ -48,7 +50,14 @@ impl Stand {
             most_nodes: settings.max_nodes.into(),
             barred: Some(barred),
             age: (settings.age < 1.0).then_some(settings.age),
-            colonized: Some(Colonized { points, unreached, iterations, is_canopy: false, scan: None }),
+            colonized: Some(Colonized {
+                points,
+                unreached,
+                iterations,
+                is_canopy: false,
+                foot: None,
+                scan: None,
+            }),
             notes,
             ..Branched::default()
         }
@@ -99,8 +108,8 @@ pub fn grow_at(site: Site, settings: &GrowthSettings, monitor: &dyn Monitor) -> 
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
-    let barriers = site.grove.obstacles;
-    Ok(Stand { branching, captured, points, shift, barriers, unreached, iterations, stop, notes })
+    let (barriers, foot) = (site.grove.obstacles, site.origin + site.root);
+    Ok(Stand { branching, captured, points, shift, foot, barriers, unreached, iterations, stop, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and

@@ -10,7 +10,7 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value};
@@ -463,6 +463,8 @@ pub struct Colonized {
     pub iterations: u32,
     /// Whether the points of a scan showed a crown without a stem, and were grown into as they are.
     pub is_canopy: bool,
+    /// The place of its foot in the file that it grew into, in the file's axes and units; `None` where it grew into none.
+    pub foot: Option<DVec3>,
     /// How the tree compares with the scan that it grew into; `None` for what is no scan.
     pub scan: Option<Scanned>,
 }
@@ -479,9 +481,11 @@ impl Colonized {
 pub struct InputTrees {
     /// The knob that picks one by its number.
     pub knob: &'static str,
-    /// The input's column that numbers them.
-    pub column: String,
-    /// The numbers in rising order, with how many points each tree has.
+    /// What tells them apart, as a message names it: a column, a file.
+    pub told_by: String,
+    /// What they are made of: `points`.
+    pub made_of: &'static str,
+    /// The numbers in rising order, with how much of that each tree has.
     pub numbers: Vec<(u32, usize)>,
 }
 

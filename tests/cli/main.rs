@@ -24,6 +24,7 @@ mod kills;
 mod kinds;
 mod lint;
 mod pipes;
+mod plots;
 mod plugins;
 mod program;
 mod provenance;

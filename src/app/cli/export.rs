@@ -6,19 +6,25 @@ use anyhow::Context;
 use clap::Args;
 use linden::dress::{levels, year};
 use linden::monitor::Holding;
+use linden::preset::InputTrees;
 use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 
 use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, commit, list, write};
+use super::plot::{Plot, USUAL_FORMAT};
 use super::scene::SceneFlags;
 use super::timings::Timings;
 use super::{GrowArgs, complete};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
+use crate::source::Source;
 
 /// Grow a source and write it for 3D programs
+///
+/// A scan whose points say which tree they belong to, or a table of cylinders of several trees, becomes one tree a file in a
+/// directory (-o trees/), with a table of what was measured on them, trees.csv; --set tree=N (`table_tree=N`) takes one.
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Export {
@@ -117,6 +123,10 @@ impl Export {
             return side_by_side(&sources, &settings, written, &progress);
         }
         let mut source = self.growing.resolve_in(&settings, &seasons, &progress)?;
+        let trees = source.recipe.preset.trees(&source.recipe.inputs).filter(|trees| trees.numbers.len() > 1);
+        if let (Some(trees), true) = (trees, self.outputs.folder().is_some()) {
+            return self.plot(source, trees, &settings, &of_formats, &progress);
+        }
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
         let planned = source.recipe.preset.dressing.detail.levels();
@@ -162,6 +172,30 @@ impl Export {
             (false, 0) => list(&written),
             (false, _) => Ok(()),
         }
+    }
+}
+
+impl Export {
+    /// Each tree of an input that tells several apart, in files of its own.
+    fn plot(
+        mut self,
+        source: Source,
+        trees: InputTrees,
+        settings: &[(String, String)],
+        of_formats: &[(String, String)],
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
+        if self.timings || self.seasons.is_some() {
+            let knob = trees.knob;
+            return Err(usage(format!(
+                "--timings and --seasons are for one tree: say which with --set {knob}=N"
+            )));
+        }
+        self.outputs.with_usual(USUAL_FORMAT);
+        let Some(folder) = self.outputs.folder() else { return Ok(()) };
+        let turned = settings.iter().map(|(name, _)| name.as_str()).collect();
+        let (outputs, scene) = (&self.outputs, &self.scene);
+        Plot { source, trees, folder, outputs, of_formats, turned, scene }.write(progress)
     }
 }
 

@@ -22,6 +22,7 @@ mod list;
 mod man;
 mod outputs;
 mod placing;
+mod plot;
 mod preview;
 mod recipe;
 mod scan;

@@ -1,6 +1,6 @@
 //! Where a command writes its files: shared by all that export.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use linden::Monitor;
@@ -71,6 +71,21 @@ impl Outputs {
         (levels, seasons): (usize, &[Season]),
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<Batch> {
+        let (batch, notes) = self.opened(id, command, settings, (levels, seasons), sources)?;
+        super::notes(&notes, &Progress::new());
+        Ok(batch)
+    }
+
+    /// The same with notes that are to be said, once where there are many trees.
+    pub fn opened(
+        &self,
+        id: &str,
+        command: &str,
+        settings: &[(String, String)],
+        (levels, seasons): (usize, &[Season]),
+        sources: Vec<PathBuf>,
+    ) -> anyhow::Result<(Batch, Vec<String>)> {
+        let mut notes = Vec::new();
         let targets = self.targets(id, command)?;
         let profile = self.profile()?;
         check_formats(settings, &targets)?;
@@ -92,7 +107,7 @@ impl Outputs {
                 }
             }
             if let Some(profile) = profile {
-                super::notes(&profile.unread(format, &options, levels), &Progress::new());
+                notes.extend(profile.unread(format, &options, levels));
             }
             let in_seasons = Output::new(exporter, options, path).in_seasons(seasons);
             outputs.extend(in_seasons.into_iter().flat_map(|output| output.in_levels(levels)));
@@ -103,7 +118,22 @@ impl Outputs {
         if batch.streams() > 1 {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
-        Ok(batch)
+        Ok((batch, notes))
+    }
+
+    /// The folder, where that is all that is named to write to.
+    pub fn folder(&self) -> Option<&Path> {
+        match self.output.as_slice() {
+            [folder] if is_folder(folder) => Some(folder),
+            _ => None,
+        }
+    }
+
+    /// Writes this format where neither a format nor a program is named.
+    pub fn with_usual(&mut self, format: &str) {
+        if self.format.is_empty() && self.client.is_none() {
+            self.format.push(format.to_owned());
+        }
     }
 
     /// The program that files are for.

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
-use linden::grow::{Scanned, Spread};
+use linden::grow::{Colonized, Scanned, Spread};
 use linden::report::{Group, NUMBERS, Report};
 use linden::surface::Junction;
 use serde::Serialize;
@@ -54,6 +54,8 @@ struct Scan {
     points_to_surface: Distances,
     axis_to_points: Distances,
     surface_to_points: Distances,
+    /// Where the tree's foot is in the scan, in its axes and units.
+    foot: Option<[f64; 3]>,
 }
 
 /// The mean, and what 95 % do not exceed.
@@ -64,7 +66,12 @@ struct Distances {
 }
 
 impl Scan {
-    fn of(scanned: &Scanned) -> Self {
+    fn of(colonized: &Colonized) -> Option<Self> {
+        let foot = colonized.foot.map(|foot| foot.to_array());
+        colonized.scan.as_ref().map(|scanned| Self { foot, ..Self::of_scanned(scanned) })
+    }
+
+    fn of_scanned(scanned: &Scanned) -> Self {
         let Scanned { points, measured_nodes, fit } = *scanned;
         let of = |spread: Spread| Distances { mean_m: spread.mean_m, p95_m: spread.p95_m };
         Self {
@@ -74,6 +81,7 @@ impl Scan {
             points_to_surface: of(fit.points_to_surface),
             axis_to_points: of(fit.axis_to_points),
             surface_to_points: of(fit.surface_to_points),
+            foot: None,
         }
     }
 }
@@ -105,7 +113,7 @@ impl Stats {
             seed: source.recipe.preset.seed(),
             generator: source.recipe.preset.grows_by().id(),
             report,
-            scan: grown.colonized.as_ref().and_then(|colonized| colonized.scan).as_ref().map(Scan::of),
+            scan: grown.colonized.as_ref().and_then(Scan::of),
             is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
             seconds: Seconds { grow: grow_s, dress: started.elapsed().as_secs_f64() },
         };

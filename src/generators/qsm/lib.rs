@@ -16,8 +16,8 @@ use linden_base::input::{CylinderTable, Geometry, Inputs, Up};
 use linden_base::knob::{Field, Kind, Knob, Value, integer, printable, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, Settings, TableKey, Task, Traits,
-    Written,
+    Branched, Generator, GeneratorError, InputTrees, KeyContent, Passage, RadiiFrom, Settings, TableKey,
+    Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
@@ -183,6 +183,13 @@ impl Settings for QsmSettings {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
         vec![Passage { heading: "cylinders", lines: vec![line] }]
+    }
+
+    fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
+        let (table, _) = self.table(inputs).ok().filter(|_| self.table_tree == 0)?;
+        let counts = table.trees.iter().map(Vec::len);
+        let (told_by, numbers) = (printable(&self.file), (1..).zip(counts).collect());
+        Some(InputTrees { knob: "table_tree", told_by, made_of: "cylinders", numbers })
     }
 
     fn traits(&self, _: &Wood) -> Traits {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
 use linden_base::input::{Cloud, Geometry, Inputs, Up};
-use linden_base::knob::{Knob, Value};
+use linden_base::knob::{Knob, Value, excerpt};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::stand::grow_at;
@@ -17,7 +17,7 @@ use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
 
 use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
-use crate::points::{As, at_points};
+use crate::points::{As, Prepared, at_points};
 use crate::sample::ScanPart;
 use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth, trees};
 
@@ -167,7 +167,8 @@ impl Settings for ScanSettings {
     fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
         let cloud = self.cloud(inputs).filter(|_| self.tree.is_none())?;
         let column = trees::column(self, cloud).ok().flatten()?;
-        Some(InputTrees { knob: "tree", column: column.name.clone(), numbers: column.counts() })
+        let told_by = format!("'{}'", excerpt(&column.name));
+        Some(InputTrees { knob: "tree", told_by, made_of: "points", numbers: column.counts() })
     }
 
     fn set_text(&mut self, key: &str, text: &str) -> bool {
@@ -204,10 +205,11 @@ impl Settings for ScanSettings {
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        let Planted { stand, bark, is_canopy } = planted(self, task, monitor)?;
+        let Planted { stand, bark, foot, is_canopy } = planted(self, task, monitor)?;
         let mut branched = stand.branched(&self.growth);
         if let Some(colonized) = &mut branched.colonized {
             colonized.is_canopy = is_canopy;
+            colonized.foot = Some(foot);
         }
         let measures = self.measures(&task.wood);
         branched.measured = bark.map(|bark| Box::new(Bark { points: bark, measures }) as Box<dyn Measured>);
@@ -229,6 +231,8 @@ struct Planted {
     stand: Stand,
     /// The points on bark, where the tree stands; `None` where the points are no scan.
     bark: Option<Vec<Vec3>>,
+    /// Where its foot is in the file.
+    foot: DVec3,
     is_canopy: bool,
 }
 
@@ -248,12 +252,13 @@ fn planted(
     let (cloud, up) = points(settings, task)?;
     let (points, of_trees) = trees::chosen(settings, cloud)?;
     let grow = |what: As| -> Result<Planted, ScanGrowthError> {
-        let (site, bark) = at_points(settings, &points, up, task.key(), what, monitor)?;
+        let Prepared { site, bark, axes } = at_points(settings, &points, up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
         stand.notes.splice(0..0, of_trees.clone());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
         let bark = bark.map(|bark| bark.iter().map(place).collect());
-        Ok(Planted { stand, bark, is_canopy: what == As::Canopy })
+        let foot = axes.of(stand.foot);
+        Ok(Planted { stand, bark, foot, is_canopy: what == As::Canopy })
     };
     if !settings.contract {
         return grow(As::Settings);

@@ -22,6 +22,30 @@ pub(crate) enum As {
     Canopy,
 }
 
+/// Points that are ready to be grown into.
+pub(crate) struct Prepared {
+    pub site: Site,
+    /// The points on bark, if they are.
+    pub bark: Option<Vec<DVec3>>,
+    pub axes: FileAxes,
+}
+
+/// How the file has what grows in metres, Y up.
+#[derive(Clone, Copy)]
+pub(crate) struct FileAxes {
+    up: Up,
+    /// Metres for a unit.
+    scale: f64,
+}
+
+impl FileAxes {
+    /// A place as the file would have it.
+    pub fn of(self, place: DVec3) -> DVec3 {
+        let DVec3 { x, y, z } = place / self.scale;
+        if self.up == Up::Z { DVec3::new(x, -z, y) } else { DVec3::new(x, y, z) }
+    }
+}
+
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
 /// `usual` is the axis that points up in such files.
 pub(crate) fn at_points(
@@ -31,7 +55,7 @@ pub(crate) fn at_points(
     key: Key,
     what: As,
     monitor: &dyn Monitor,
-) -> Result<(Site, Option<Vec<DVec3>>), ScanGrowthError> {
+) -> Result<Prepared, ScanGrowthError> {
     let mut notes = Vec::new();
     // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
     let Distinct { mut points, repeated, no_returns } = crate::distinct(points, settings.contract, monitor)?;
@@ -54,6 +78,7 @@ pub(crate) fn at_points(
             *p *= scale;
         }
     }
+    let axes = FileAxes { up, scale };
     let far_points = if settings.contract { crate::drop_far(&mut points, monitor)? } else { 0 };
     notes.extend(far_note(far_points));
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -92,7 +117,7 @@ pub(crate) fn at_points(
             moves_to_root: true,
             notes,
         };
-        return Ok((site, Some(scan.bark)));
+        return Ok(Prepared { site, bark: Some(scan.bark), axes });
     }
     let mut ground_m = None;
     if what == As::Canopy {
@@ -126,7 +151,7 @@ pub(crate) fn at_points(
         moves_to_root: true,
         notes,
     };
-    Ok((site, None))
+    Ok(Prepared { site, bark: None, axes })
 }
 
 /// What is said of rows that are no points.

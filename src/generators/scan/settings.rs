@@ -43,7 +43,7 @@ impl ScanSettings {
     pub const FIELDS: &[Field<Self>] = &[
         field!(
             "tree",
-            real_or_auto(1.0, u32::MAX as f64),
+            real_or_auto(1.0, 1e9),
             "",
             "the number of the tree in a scan whose points say which they belong to; auto: all points are one tree",
             tree,

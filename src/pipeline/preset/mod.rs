@@ -25,6 +25,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use linden_base::document::NamesFiles;
+use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Spread, Value, nearest, printable};
 use linden_base::random::Key;
 use linden_plant::settings::Dressing;
@@ -53,6 +54,7 @@ pub use linden_plant::settings::{
 };
 pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
+pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
 pub use read::Heading;
@@ -308,6 +310,11 @@ impl Preset {
         let is_its = knob.section == Section::Generator(generator.id());
         let hint = is_its.then(|| generator.value_hint(knob.knob.name, text, asked)).flatten();
         hint.map_or_else(String::new, |hint| format!("; {hint}"))
+    }
+
+    /// The trees that its input tells apart, where a knob picks one of them and is not turned.
+    pub fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
+        self.generator.trees(inputs)
     }
 
     /// The way it grows.

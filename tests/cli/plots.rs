@@ -1,0 +1,178 @@
+//! `linden export PLOT -o FOLDER/`: a scan, or a table of cylinders, that tells several trees apart.
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use linden::Quiet;
+use linden::input::read_ply_with;
+
+use crate::program::Folder;
+
+/// Trees with their numbers, and where they stand in a survey: east and north, metres.
+const TREES: [(&str, u32, [f64; 2]); 2] = [("abop-honda-a", 7, [0.0, 0.0]), ("simple", 21, [9.0, -4.5])];
+
+/// The survey's corner.
+const CORNER: [f64; 3] = [446_000.0, 5_428_000.0, 300.0];
+
+/// A table of points of [`TREES`] with a column `treeID`, and ground that belongs to none.
+fn plot(folder: &Folder) -> String {
+    let mut text = "x,y,z,intensity,treeID\n".to_owned();
+    for (preset, number, [east, north]) in TREES {
+        let file = format!("{preset}.ply");
+        succeed(&folder, &["scan", preset, "--step=0.5", "--positions=3", "-o", &file]);
+        let (data, _) = read_ply_with(&folder.read(&file), &[], &Quiet).unwrap();
+        for p in data.positions {
+            let [x, y, z] = [CORNER[0] + east + p.x, CORNER[1] + north - p.z, CORNER[2] + p.y];
+            let _ = writeln!(text, "{x:.4},{y:.4},{z:.4},0.5,{number}");
+        }
+    }
+    for i in 0..400 {
+        let (x, y) = (f64::from(i % 20) - 5.0, f64::from(i / 20) - 10.0);
+        let _ = writeln!(text, "{},{},{},0.5,0", CORNER[0] + x, CORNER[1] + y, CORNER[2]);
+    }
+    text
+}
+
+/// Runs what may say something on standard error.
+fn succeed(folder: &Folder, arguments: &[&str]) {
+    let said = folder.run(arguments);
+    assert_eq!(said.code, Some(0), "{arguments:?}: {}", said.err);
+}
+
+/// The table of a folder: a row's cells by the columns' names, by its number.
+fn table(bytes: &[u8]) -> BTreeMap<u32, BTreeMap<String, String>> {
+    let mut reader = csv::Reader::from_reader(bytes);
+    let header = reader.headers().unwrap().clone();
+    let rows = reader.records().map(|record| {
+        let record = record.unwrap();
+        let row: BTreeMap<String, String> =
+            header.iter().zip(record.iter()).map(|(name, cell)| (name.to_owned(), cell.to_owned())).collect();
+        // No name stands twice.
+        assert_eq!(row.len(), header.len());
+        (row["number"].parse().unwrap(), row)
+    });
+    rows.collect()
+}
+
+#[test]
+fn each_tree_of_a_plot_is_grown_by_itself_where_it_stands() {
+    let folder = Folder::new();
+    let text = plot(&folder);
+    folder.write("plot.csv", text.as_bytes());
+    let said = folder.run(&["export", "plot.csv", "-o", "trees/", "--format", "glb,qsm"]);
+    assert!(said.code == Some(0) && said.err.contains("'treeID' tells 2 trees apart"), "{}", said.err);
+    let rows = table(&folder.read("trees/trees.csv"));
+    assert_eq!(rows.len(), 2);
+    for (preset, number, [east, north]) in TREES {
+        let row = &rows[&number];
+        assert_eq!(
+            (row["files"].as_str(), row["error"].as_str()),
+            (&*format!("{number}.glb {number}.csv"), "")
+        );
+        // The points of this tree alone, in a file of their own, are the same tree.
+        let own = |line: &&str| line.starts_with('x') || line.ends_with(&format!(",{number}"));
+        let alone: Vec<&str> = text.lines().filter(own).collect();
+        assert_eq!(row["input_points"], (alone.len() - 1).to_string());
+        folder.write("alone.csv", alone.join("\n").as_bytes());
+        let alone = folder.run(&["stats", "alone.csv", "--json"]).json();
+        assert_eq!(row["skeleton_hash"], alone["skeleton_hash"].as_str().unwrap());
+        let foot = |axis: &str| row[&format!("foot_{axis}")].parse::<f64>().unwrap();
+        let place = [CORNER[0] + east, CORNER[1] + north, CORNER[2]];
+        for (axis, expected) in ["x", "y", "z"].into_iter().zip(place) {
+            assert!(
+                (foot(axis) - expected).abs() < 0.1,
+                "{preset}: {axis} is {}, not {expected}",
+                foot(axis)
+            );
+        }
+        let of_stats: Vec<f64> = serde_json::from_value(alone["scan"]["foot"].clone()).unwrap();
+        assert!((of_stats[1] - foot("y")).abs() < 1e-3);
+        let truth = folder.run(&["stats", preset, "--json"]).json()["height_m"].as_f64().unwrap();
+        let height: f64 = row["height_m"].parse().unwrap();
+        assert!((height / truth - 1.0).abs() < 0.1, "{preset}: {height} of {truth}");
+        // One of them, asked for: the same file.
+        let one = format!("--set=tree={number}");
+        succeed(&folder, &["export", "plot.csv", &one, "-o", "one.glb"]);
+        assert!(folder.read("one.glb") == folder.read(&format!("trees/{number}.glb")), "{preset}");
+    }
+    let mut command = crate::program::linden();
+    command.args(["export", "plot.csv", "-o", "again/", "--mkdir", "--format", "glb,qsm"]);
+    let done = command.current_dir(folder.path()).env("RAYON_NUM_THREADS", "1").output().unwrap();
+    assert!(done.status.success());
+    for name in ["7.glb", "21.glb", "trees.csv"] {
+        assert!(folder.read(&format!("trees/{name}")) == folder.read(&format!("again/{name}")), "{name}");
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_tree_stops_no_other() {
+    let folder = Folder::new();
+    let mut text = plot(&folder);
+    for x in 0..3 {
+        let _ = writeln!(text, "{x},0,0,0.5,1000");
+    }
+    folder.write("plot.csv", text.as_bytes());
+    let said = folder.run(&["export", "plot.csv", "-o", "trees/", "--no-sync"]);
+    assert_eq!(said.code, Some(1));
+    assert!(said.err.contains("tree 1000: ") && said.err.contains("1 of 3 trees failed"), "{}", said.err);
+    let rows = table(&folder.read("trees/trees.csv"));
+    assert!(rows[&1000]["error"].contains("points") && rows[&1000]["files"].is_empty(), "{rows:?}");
+    assert!(rows[&7]["error"].is_empty() && folder.read("trees/7.glb").starts_with(b"glTF"));
+}
+
+#[test]
+fn one_tree_is_asked_for_by_its_number() {
+    let folder = Folder::new();
+    folder.write("plot.csv", plot(&folder).as_bytes());
+    let shown = folder.run(&["show", "plot.csv"]).out;
+    assert!(shown.contains("'treeID': 2 trees: 7 ("), "{shown}");
+    for (set, code, expected) in [
+        (
+            &["--set=tree=8"][..],
+            1,
+            "tree=8: no point of plot.csv has this number in 'treeID'; it numbers 7, 21",
+        ),
+        (
+            &["--set=tree=7", "--set=instance=stand"],
+            1,
+            "plot.csv has no column 'stand' of trees; it has 'treeID'",
+        ),
+        (&["--set=tree=7", "--set=instance=TREEid"], 0, ""),
+        (&["--set=tree=0"], 2, "tree"),
+        (&[], 0, "'treeID' of plot.csv tells 2 trees apart, and all of its points were taken for one"),
+    ] {
+        let said = folder.run(&[&["stats", "plot.csv", "--json"], set].concat());
+        assert!(
+            said.code == Some(code) && said.err.contains(expected),
+            "{set:?}: {:?} {}",
+            said.code,
+            said.err
+        );
+    }
+    // No column at all.
+    folder.write("plain.csv", b"x,y,z\n0,0,0\n0,0,1\n0,0,2\n");
+    let said = folder.run(&["stats", "plain.csv", "--set=tree=1"]);
+    assert!(said.err.contains("plain.csv says of no point which tree it belongs to"), "{}", said.err);
+    // A preset says both.
+    folder.write(
+        "mine.toml",
+        b"id = \"mine\"\n[scan]\nfile = \"plot.csv\"\ninstance = \"treeID\"\ntree = 21\n",
+    );
+    let stats = folder.run(&["stats", "mine.toml", "--json"]).json();
+    let by_flag = folder.run(&["stats", "plot.csv", "--json", "--set=tree=21"]).json();
+    assert_eq!(stats["skeleton_hash"], by_flag["skeleton_hash"]);
+}
+
+#[test]
+fn trees_of_a_table_of_cylinders_are_told_apart_too() {
+    let folder = Folder::new();
+    let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fixtures/cylinders/raycloudtools.txt");
+    folder.write("two.txt", std::fs::read(fixture).unwrap());
+    succeed(&folder, &["export", "two.txt", "-o", "trees/", "--format", "qsm"]);
+    let rows = table(&folder.read("trees/trees.csv"));
+    assert_eq!(rows.keys().collect::<Vec<_>>(), [&1, &2]);
+    for (number, volume) in [(1, 0.0241), (2, 0.04)] {
+        let found: f64 = rows[&number]["cylinder_volume_m3"].parse().unwrap();
+        assert!((found - std::f64::consts::PI * volume).abs() < 1e-6, "{number}: {found}");
+    }
+}
