@@ -19,7 +19,7 @@ fn plot(folder: &Folder) -> String {
     let mut text = "x,y,z,intensity,treeID\n".to_owned();
     for (preset, number, [east, north]) in TREES {
         let file = format!("{preset}.ply");
-        succeed(&folder, &["scan", preset, "--step=0.5", "--positions=3", "-o", &file]);
+        succeed(folder, &["scan", preset, "--step=0.5", "--positions=3", "-o", &file]);
         let (data, _) = read_ply_with(&folder.read(&file), &[], &Quiet).unwrap();
         for p in data.positions {
             let [x, y, z] = [CORNER[0] + east + p.x, CORNER[1] + north - p.z, CORNER[2] + p.y];
