@@ -268,7 +268,8 @@ impl<'a> Reader<'a> {
             | InputKind::LasPoints
             | InputKind::E57Points
             | InputKind::PcdPoints
-            | InputKind::PtxPoints => Preset::of_points(&id, &name),
+            | InputKind::PtxPoints
+            | InputKind::HeightGrid => Preset::of_points(&id, &name),
         };
         let mut recipe = Recipe::new(preset);
         let input = self.input(&name, bytes).with_context(reading)?;

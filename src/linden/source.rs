@@ -95,7 +95,8 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
         | InputKind::LasPoints
         | InputKind::E57Points
         | InputKind::PcdPoints
-        | InputKind::PtxPoints => Preset::of_points(&id, &name),
+        | InputKind::PtxPoints
+        | InputKind::HeightGrid => Preset::of_points(&id, &name),
     };
     let mut recipe = Recipe::new(preset);
     if recipe.preset.files().contains(&name.as_str()) {

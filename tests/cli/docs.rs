@@ -2,7 +2,7 @@
 
 use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::{Kind, Knob, Spread};
-use linden::preset::{KNOBS, builtins};
+use linden::preset::{KNOBS, Preset, ScanSettings, builtins};
 use linden_exporters::REGISTRY;
 
 use crate::program::linden;
@@ -85,6 +85,8 @@ fn fault(line: &str) -> Option<String> {
         let is_swept = words.first().is_some_and(|command| command == "sweep");
         let value = if is_swept { value.split([',', ':']).next().unwrap_or_default() } else { value };
         match knob(name).map(|knob| knob.kind) {
+            // A text, which is no knob.
+            None if Preset::of("scan", ScanSettings::of("a.laz")).set(name, value).is_ok() => {}
             None => return Some(format!("no knob is called {name}")),
             Some(Kind::Choice(known)) if name == "crown" && known.contains(&value) => {}
             Some(kind) if Spread::is_meant(value) => {

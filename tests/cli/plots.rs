@@ -164,6 +164,48 @@ fn one_tree_is_asked_for_by_its_number() {
 }
 
 #[test]
+fn crowns_of_a_canopy_are_grown_under_their_tops() {
+    // Two domes on cells of half a metre, rows from the north: place, height, width.
+    const DOMES: [([f64; 2], f64, f64); 2] = [([9.0, 11.0], 18.0, 8.0), ([21.0, 8.0], 12.0, 6.0)];
+    let folder = Folder::new();
+    let mut grid =
+        "ncols 60\nnrows 40\nxllcorner 5000\nyllcorner 7000\ncellsize 0.5\nNODATA_value -9999\n".to_owned();
+    for row in 0..40_u32 {
+        for column in 0..60_u32 {
+            let (x, y) = (0.5 * f64::from(column) + 0.25, 0.5 * f64::from(39 - row) + 0.25);
+            let height = |([at_x, at_y], height, width): &([f64; 2], f64, f64)| {
+                let r = 2.0 * (x - at_x).hypot(y - at_y) / width;
+                if r <= 1.0 { height * (1.0 - 0.5 * r * r) } else { 0.0 }
+            };
+            let _ = write!(grid, "{:.2} ", DOMES.iter().map(height).fold(0.0, f64::max));
+        }
+        grid.push('\n');
+    }
+    folder.write("canopy.asc", grid.as_bytes());
+    let said = folder.run(&["export", "canopy.asc", "-o", "trees/", "--no-sync"]);
+    assert!(said.code == Some(0) && said.err.contains("'crown' tells 2 trees apart"), "{}", said.err);
+    let rows = table(&folder.read("trees/trees.csv"));
+    assert_eq!(rows.len(), 2);
+    for ((_, row), ([x, y], height, width)) in rows.iter().zip(DOMES) {
+        let of = |name: &str| row[name].parse::<f64>().unwrap_or_else(|_| panic!("{name}: {}", row[name]));
+        assert!(
+            (of("foot_x") - 5000.0 - x).abs() < 0.5 && (of("foot_y") - 7000.0 - y).abs() < 0.5,
+            "{row:?}"
+        );
+        assert!(of("foot_z").abs() < 1e-6);
+        assert!((of("height_m") / height - 1.0).abs() < 0.08, "{} of {height}", of("height_m"));
+        assert!((of("crown_width_m") / width - 1.0).abs() < 0.2, "{} of {width}", of("crown_width_m"));
+        assert!(row["notes"].contains("the crown was filled from"), "{}", row["notes"]);
+    }
+    // Crowns that begin higher, and heights above the sea.
+    let high = folder.run(&["stats", "canopy.asc", "--json", "--set=tree=1", "--set=trunk=12"]);
+    assert!(high.err.contains("filled from 12.0 m up to 17."), "{}", high.err);
+    folder.write("sea.asc", grid.replace("0.00 ", "400.00 ").as_bytes());
+    let said = folder.run(&["stats", "sea.asc"]);
+    assert!(said.code == Some(1) && said.err.contains("heights above ground"), "{}", said.err);
+}
+
+#[test]
 fn trees_of_a_table_of_cylinders_are_told_apart_too() {
     let folder = Folder::new();
     let fixture = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/fixtures/cylinders/raycloudtools.txt");

@@ -236,7 +236,8 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
         | InputKind::LasPoints
         | InputKind::E57Points
         | InputKind::PcdPoints
-        | InputKind::PtxPoints => {
+        | InputKind::PtxPoints
+        | InputKind::HeightGrid => {
             return Ok((Preset::of_points(id, &name), Ok(())));
         }
     };

@@ -13,6 +13,8 @@ pub struct Cloud {
     pub positions: Vec<DVec3>,
     /// Columns that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
+    /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
+    pub cell: Option<f64>,
 }
 
 /// The number of the tree that each point belongs to.
@@ -25,17 +27,6 @@ pub struct TreeColumn {
 }
 
 impl Cloud {
-    /// The column of a name, whichever case it is written in; without a name the likeliest.
-    pub fn column(&self, name: Option<&str>) -> Option<&TreeColumn> {
-        match name {
-            None => self.trees.first(),
-            Some(name) => {
-                let exact = self.trees.iter().find(|column| column.name == name);
-                exact.or_else(|| self.trees.iter().find(|column| column.name.eq_ignore_ascii_case(name)))
-            }
-        }
-    }
-
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
@@ -45,11 +36,18 @@ impl Cloud {
 
 impl From<Vec<DVec3>> for Cloud {
     fn from(positions: Vec<DVec3>) -> Self {
-        Self { positions, trees: Vec::new() }
+        Self { positions, ..Self::default() }
     }
 }
 
 impl TreeColumn {
+    /// The column of a name, whichever case it is written in; without a name the first.
+    pub fn find<'a>(columns: &'a [Self], name: Option<&str>) -> Option<&'a Self> {
+        let Some(name) = name else { return columns.first() };
+        let exact = columns.iter().find(|column| column.name == name);
+        exact.or_else(|| columns.iter().find(|column| column.name.eq_ignore_ascii_case(name)))
+    }
+
     /// The trees' numbers in rising order, with how many points each has.
     pub fn counts(&self) -> Vec<(u32, usize)> {
         let mut counts = std::collections::BTreeMap::<u32, usize>::new();
@@ -180,9 +178,9 @@ mod tests {
         assert_eq!(trees.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["treeID", "label"]);
         assert_eq!(trees[0].numbers, [0, 0, 7]);
         assert_eq!(trees[1].counts(), [(1, 1), (2, 2)]);
-        let cloud = Cloud { positions: vec![DVec3::ZERO; 3], trees };
-        assert_eq!(cloud.column(None), cloud.column(Some("TREEID")));
-        assert_eq!(cloud.column(Some("label")).map(|column| column.name.as_str()), Some("label"));
-        assert_eq!(cloud.column(Some("axis")), None);
+        let find = |name| TreeColumn::find(&trees, name);
+        assert_eq!(find(None), find(Some("TREEID")));
+        assert_eq!(find(Some("label")).map(|column| column.name.as_str()), Some("label"));
+        assert_eq!(find(Some("axis")), None);
     }
 }

@@ -8,8 +8,8 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
     Cloud, CylinderRow, CylinderTable, InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture,
-    picture, read_cylinders, read_e57, read_las, read_obj, read_pcd, read_picture, read_ply, read_ptx,
-    read_xyz, sniff,
+    picture, read_cylinders, read_e57, read_grid, read_las, read_obj, read_pcd, read_picture, read_ply,
+    read_ptx, read_xyz, sniff,
 };
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
@@ -118,7 +118,7 @@ impl Input {
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX), a table of cylinders or a
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX, ASC), a table of cylinders or a
     /// picture (PNG, JPEG, WebP, TGA). The file's name decides only where its content does not: between two kinds, and that
     /// it is TGA.
     ///
@@ -135,7 +135,7 @@ impl Input {
             InputKind::PlyMesh | InputKind::PlyPoints => {
                 let PlyData { positions, faces: triangles, trees } = read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
-                    Geometry::Points(Arc::new(Cloud { positions, trees }))
+                    Geometry::Points(Arc::new(Cloud { positions, trees, cell: None }))
                 } else {
                     Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
                 };
@@ -146,12 +146,13 @@ impl Input {
             InputKind::E57Points => (Up::Z, Geometry::Points(Arc::new(read_e57(bytes, monitor)?.into()))),
             InputKind::PcdPoints => (Up::Z, Geometry::Points(Arc::new(read_pcd(bytes, monitor)?))),
             InputKind::PtxPoints => (Up::Z, Geometry::Points(Arc::new(read_ptx(bytes, monitor)?.into()))),
+            InputKind::HeightGrid => (Up::Z, Geometry::Points(Arc::new(read_grid(bytes, monitor)?))),
             InputKind::Cylinders { .. } => {
                 let table = read_cylinders(bytes, monitor)?;
                 (table.dialect.up(), Geometry::Cylinders(Arc::new(table)))
             }
             InputKind::Preset | InputKind::Grammar | InputKind::Recipe | InputKind::TreeParameters => {
-                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ, LAS, E57, PCD, PTX), cylinders (CSV) or a picture";
+                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ, LAS, E57, PCD, PTX, ASC), cylinders (CSV) or a picture";
                 return Err(InputError::Unknown { looks });
             }
         };

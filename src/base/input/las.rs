@@ -91,7 +91,7 @@ fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> 
             "none of its {total} records is a point that is not withheld and no noise"
         )));
     }
-    Ok(Cloud { positions: points, trees: columns.finish() })
+    Ok(Cloud { positions: points, trees: columns.finish(), cell: None })
 }
 
 /// One of the further values of each record, which the format calls extra bytes and describes in a record of its own
@@ -276,8 +276,10 @@ mod tests {
         assert!(points[1].distance(DVec3::new(445_999.0, 5_428_001.0, 0.0)) < 1e-8);
     }
 
+    type Description<'a> = (&'a str, u8, u8, [u8; 8], f64, f64);
+
     /// [`file`] with extra bytes behind each record, described by rows of name, type, options, `no_data`, scale and offset.
-    fn with_extra(rows: &[(&str, u8, u8, [u8; 8], f64, f64)], records: &[Vec<u8>]) -> Vec<u8> {
+    fn with_extra(rows: &[Description<'_>], records: &[Vec<u8>]) -> Vec<u8> {
         let plain = file(&vec![([1, 2, 3], 2); records.len()]);
         let mut table = Vec::new();
         for (name, kind, options, no_data, scale, offset) in rows {

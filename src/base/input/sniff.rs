@@ -1,7 +1,7 @@
 //! Tells what a file is by what it holds; its name only decides between what the content leaves open.
 
 use super::table::Layout;
-use super::{InputError, cylinders, lines, ply, ptx, text_of, xyz};
+use super::{InputError, cylinders, grid, lines, ply, ptx, text_of, xyz};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,6 +30,8 @@ pub enum InputKind {
     PcdPoints,
     /// PTX: the stands of a scanner as text.
     PtxPoints,
+    /// Esri's ASCII grid: heights of a canopy.
+    HeightGrid,
     /// A table of cylinders: a tree that was measured or grown elsewhere.
     Cylinders {
         /// Whether it has a radius for each end.
@@ -105,6 +107,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
     }
     if ptx::is_ptx(text) {
         return Ok(InputKind::PtxPoints);
+    }
+    if grid::is_grid(text) {
+        return Ok(InputKind::HeightGrid);
     }
     let mut assigns = false;
     for (_, line) in lines(text) {

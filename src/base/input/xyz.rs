@@ -74,7 +74,7 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
             let found = points.len();
             Err(whole(format!("its first line announces {rows} points, {found} follow: it may be cut off")))
         }
-        _ => Ok(Cloud { positions: points, trees: columns.finish() }),
+        _ => Ok(Cloud { positions: points, trees: columns.finish(), cell: None }),
     }
 }
 
@@ -162,7 +162,7 @@ mod tests {
         ] {
             let cloud = read_xyz(text.as_bytes(), &Quiet).unwrap();
             assert_eq!(cloud.positions, [DVec3::new(1.0, 2.0, 3.0), DVec3::new(5.0, 6.0, 7.0)], "{text}");
-            assert_eq!(cloud.column(None).map(|column| &column.numbers[..]), Some(&[4, 0][..]), "{text}");
+            assert_eq!(cloud.trees.first().map(|column| &column.numbers[..]), Some(&[4, 0][..]), "{text}");
         }
         let cloud = read_xyz(b"x,y,z,intensity\n1,2,3,4\n", &Quiet).unwrap();
         assert_eq!(cloud.trees, []);

@@ -19,7 +19,7 @@ use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, Prepared, at_points};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth, trees};
+use crate::{Girth, ScanGrowthError, ScanSettings, crowns, fit, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
@@ -79,7 +79,7 @@ impl Generator for Scans {
         &[
             TableKey {
                 name: FILE,
-                help: "the points (LAS, LAZ, E57, PLY, PCD, PTX, XYZ, CSV), relative to the preset",
+                help: "the points (LAS, LAZ, E57, PLY, PCD, PTX, XYZ, CSV) or heights of a canopy (ASC), relative to the preset",
                 content: KeyContent::File,
             },
             TableKey {
@@ -158,15 +158,16 @@ impl Settings for ScanSettings {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
         let points = Passage { heading: "attraction points", lines: vec![line] };
-        let trees = self.cloud(inputs).into_iter().flat_map(|cloud| &cloud.trees).map(trees::line);
-        let lines: Vec<String> = trees.collect();
+        let columns = self.cloud(inputs).and_then(|cloud| trees::columns(self, cloud).ok());
+        let lines: Vec<String> = columns.unwrap_or_default().iter().map(trees::line).collect();
         let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
         std::iter::once(points).chain(trees).collect()
     }
 
     fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
         let cloud = self.cloud(inputs).filter(|_| self.tree.is_none())?;
-        let column = trees::column(self, cloud).ok().flatten()?;
+        let columns = trees::columns(self, cloud).ok()?;
+        let column = trees::column(self, &columns).ok().flatten()?;
         let told_by = format!("'{}'", excerpt(&column.name));
         Some(InputTrees { knob: "tree", told_by, made_of: "points", numbers: column.counts() })
     }
@@ -251,19 +252,27 @@ fn planted(
 ) -> Result<Planted, ScanGrowthError> {
     let (cloud, up) = points(settings, task)?;
     let (points, of_trees) = trees::chosen(settings, cloud)?;
-    let grow = |what: As| -> Result<Planted, ScanGrowthError> {
-        let Prepared { site, bark, axes } = at_points(settings, &points, up, task.key(), what, monitor)?;
+    let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
+        let Prepared { site, bark, axes } = at_points(settings, points, up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
         stand.notes.splice(0..0, of_trees.clone());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
         let bark = bark.map(|bark| bark.iter().map(place).collect());
         let foot = axes.of(stand.foot);
-        Ok(Planted { stand, bark, foot, is_canopy: what == As::Canopy })
+        Ok(Planted { stand, bark, foot, is_canopy: what != As::Settings })
     };
-    if !settings.contract {
-        return grow(As::Settings);
+    if let Some(cell) = cloud.cell {
+        let scale = settings.scale.unwrap_or(1.0);
+        let top = points.iter().map(|p| p.z).fold(0.0, f64::max);
+        let base = settings.growth.trunk_m.map_or(crowns::BASE_PER_TOP * top, |trunk_m| trunk_m / scale);
+        let mut planted = grow(&crowns::filled(&points, cell, base), As::Grid)?;
+        planted.stand.notes.push(crowns::note(top * scale, base * scale));
+        return Ok(planted);
     }
-    match grow(As::Settings) {
+    if !settings.contract {
+        return grow(&points, As::Settings);
+    }
+    match grow(&points, As::Settings) {
         Ok(mut planted) => match Verdict::of(&planted.stand, planted.bark.as_deref(), monitor)? {
             Verdict::Tree => return Ok(planted),
             Verdict::Partly(note) => {
@@ -275,7 +284,7 @@ fn planted(
         Err(ScanGrowthError::Stand(StandError::NothingGrew { .. })) => {}
         Err(error) => return Err(error),
     }
-    grow(As::Canopy)
+    grow(&points, As::Canopy)
 }
 
 /// Points on the bark of the tree, where it stands.

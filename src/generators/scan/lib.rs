@@ -43,6 +43,7 @@ mod canopy;
 mod circle;
 mod clean;
 mod contract;
+mod crowns;
 mod error;
 mod fit;
 mod foot;

@@ -20,6 +20,8 @@ pub(crate) enum As {
     Settings,
     /// A scan of a crown without a stem.
     Canopy,
+    /// What fills a crown of a grid of heights above ground, metres by `scale`, Z up.
+    Grid,
 }
 
 /// Points that are ready to be grown into.
@@ -60,8 +62,11 @@ pub(crate) fn at_points(
     // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
     let Distinct { mut points, repeated, no_returns } = crate::distinct(points, settings.contract, monitor)?;
     notes.extend(row_notes(repeated, no_returns));
-    let guessed = if settings.contract { crate::unusual_up(&points, usual) } else { None };
-    let up = settings.growth.given_up().unwrap_or_else(|| {
+    // A scanner's file: what it says of itself is not sure.
+    let is_scan = settings.contract && what != As::Grid;
+    let guessed = if is_scan { crate::unusual_up(&points, usual) } else { None };
+    let given = settings.growth.given_up().filter(|_| what != As::Grid);
+    let up = given.unwrap_or_else(|| {
         if let Some(up) = guessed {
             notes.push(up_note(up));
         }
@@ -69,7 +74,7 @@ pub(crate) fn at_points(
     });
     up.to_y_up(&mut points);
     let scale = settings.scale.unwrap_or_else(|| {
-        let scale = if settings.contract { crate::likely_scale(&points) } else { 1.0 };
+        let scale = if is_scan { crate::likely_scale(&points) } else { 1.0 };
         notes.extend(scale_note(scale));
         scale
     });
@@ -79,7 +84,7 @@ pub(crate) fn at_points(
         }
     }
     let axes = FileAxes { up, scale };
-    let far_points = if settings.contract { crate::drop_far(&mut points, monitor)? } else { 0 };
+    let far_points = if is_scan { crate::drop_far(&mut points, monitor)? } else { 0 };
     notes.extend(far_note(far_points));
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -131,7 +136,7 @@ pub(crate) fn at_points(
     let spacing_m = crate::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
     let root = match (given_root, what) {
         (Some(root), _) => root,
-        (None, As::Canopy) => {
+        (None, As::Canopy | As::Grid) => {
             canopy::root_below(&points, ground_m, origin, settings).ok_or(GrowthError::NoPoints)?
         }
         (None, As::Settings) => crate::foot(&points).ok_or(GrowthError::NoPoints)?,

@@ -37,7 +37,9 @@ impl ScanPart {
         let given = &given[..];
         let points = given.len();
         let most = size.points >> size.halvings.min(4);
-        let share = (most as f64 / points as f64).min(1.0);
+        let is_grid = matches!(input.map(|input| &input.geometry), Some(Geometry::Points(cloud)) if cloud.cell.is_some());
+        // A crown that is filled has as many points whatever it was filled from.
+        let share = if is_grid { 1.0 } else { (most as f64 / points as f64).min(1.0) };
         let mut smaller = settings.clone();
         if share < 1.0 {
             smaller.tree = None;
@@ -66,7 +68,7 @@ impl ScanPart {
             lengthening: Lengthening::new(settings.growth.max_nodes, longer),
             share,
             coarser,
-            point_times: (points as f64 / most as f64).max(1.0),
+            point_times: if is_grid { 1.0 } else { (points as f64 / most as f64).max(1.0) },
         }
     }
 

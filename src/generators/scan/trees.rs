@@ -6,21 +6,32 @@ use glam::DVec3;
 use linden_base::input::{Cloud, TreeColumn};
 use linden_base::knob::{excerpt, printable};
 
-use crate::{ScanGrowthError, ScanSettings};
+use crate::{ScanGrowthError, ScanSettings, crowns};
 
 /// Numbers of trees that a message names.
 const MOST_NAMED: usize = 12;
 
+/// The columns of a file that tell trees apart, which a grid of heights does by its tops.
+pub(crate) fn columns<'a>(
+    settings: &ScanSettings,
+    cloud: &'a Cloud,
+) -> Result<Cow<'a, [TreeColumn]>, ScanGrowthError> {
+    let Some(cell) = cloud.cell else { return Ok(Cow::Borrowed(&cloud.trees)) };
+    let told = crowns::tell_apart(&cloud.positions, cell, settings.scale.unwrap_or(1.0));
+    let column =
+        told.map_err(|problem| ScanGrowthError::Trees(format!("{}: {problem}", printable(&settings.file))))?;
+    Ok(Cow::Owned(vec![column]))
+}
+
 /// The column that tells trees apart; `None` where the file has none and none is asked for.
 pub(crate) fn column<'a>(
     settings: &ScanSettings,
-    cloud: &'a Cloud,
+    columns: &'a [TreeColumn],
 ) -> Result<Option<&'a TreeColumn>, ScanGrowthError> {
-    let column = cloud.column(settings.instance.as_deref());
-    let names =
-        || cloud.trees.iter().map(|column| format!("'{}'", excerpt(&column.name))).collect::<Vec<_>>();
+    let column = TreeColumn::find(columns, settings.instance.as_deref());
+    let names = || columns.iter().map(|column| format!("'{}'", excerpt(&column.name))).collect::<Vec<_>>();
     match (&settings.instance, column) {
-        (Some(name), None) if cloud.trees.is_empty() => Err(ScanGrowthError::Trees(format!(
+        (Some(name), None) if columns.is_empty() => Err(ScanGrowthError::Trees(format!(
             "instance: '{}' of {} is no column of trees: the file says of no point which tree it belongs to",
             excerpt(name),
             printable(&settings.file)
@@ -45,7 +56,8 @@ pub(crate) fn chosen<'a>(
     settings: &ScanSettings,
     cloud: &'a Cloud,
 ) -> Result<(Cow<'a, [DVec3]>, Option<String>), ScanGrowthError> {
-    let column = column(settings, cloud)?;
+    let columns = columns(settings, cloud)?;
+    let column = column(settings, &columns)?;
     let Some(wanted) = wanted(settings) else {
         return Ok((Cow::Borrowed(&cloud.positions), column.and_then(|column| several(settings, column))));
     };
