@@ -167,7 +167,7 @@ mod tests {
         assert_eq!(corner.cell, Some(2.0));
         // GDAL writes everything in one line, other programs the middle of the corner's cell.
         let centre = GRID.replace("xllcorner 100", "XLLCENTER 101").replace("yllcorner 50", "YLLCENTER 51");
-        let centre = centre.replace("-1\n4", "-1 4").replace("\n", "\r\n");
+        let centre = centre.replace("-1\n4", "-1 4").replace('\n', "\r\n");
         assert_eq!(read_grid(centre.as_bytes(), &Quiet).unwrap(), corner);
         assert_eq!(sniff(centre.as_bytes(), "chm.txt"), Ok(InputKind::HeightGrid));
         assert_eq!(sniff(b"ncols = 3\n", "a.toml"), Ok(InputKind::Preset));
