@@ -9,7 +9,7 @@ use linden::grow::outline;
 use linden::grow::{GrowError, grow};
 use linden::input::read_picture;
 use linden::input::{
-    Cloud, TreeColumn, read_e57, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff,
+    Cloud, TreeColumn, read_e57, read_grid, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff,
 };
 use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
@@ -267,6 +267,7 @@ fn cloud(bytes: &[u8]) -> String {
         Some(b'L') => read_las(bytes, &reading()),
         Some(b'A') => read_e57(bytes, &reading()).map(Cloud::from),
         Some(b'#') => read_pcd(bytes, &reading()),
+        Some(b'n') => read_grid(bytes, &reading()),
         _ => read_ptx(bytes, &reading()).map(Cloud::from),
     };
     match cloud {
