@@ -77,7 +77,7 @@ impl Grid {
 
     /// Cells within a distance of a place, itself among them.
     fn around(&self, place: IVec2, reach: f64) -> impl Iterator<Item = usize> + '_ {
-        let cells = reach as i32;
+        let cells = (reach as i32).min(self.columns.max(self.rows));
         let within = move |at: &IVec2| f64::from(at.length_squared()) <= reach * reach;
         let square = (-cells..=cells).flat_map(move |y| (-cells..=cells).map(move |x| IVec2::new(x, y)));
         square.filter(within).filter_map(move |at| self.point(place + at))
