@@ -173,9 +173,7 @@ impl Export {
             (false, _) => Ok(()),
         }
     }
-}
 
-impl Export {
     /// Each tree of an input that tells several apart, in files of its own.
     fn plot(
         mut self,

@@ -76,7 +76,7 @@ impl Outputs {
         Ok(batch)
     }
 
-    /// The same with notes that are to be said, once where there are many trees.
+    /// The same without saying its notes, which come with it: who opens many alike says them once.
     pub fn opened(
         &self,
         id: &str,

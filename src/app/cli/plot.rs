@@ -47,10 +47,11 @@ struct Row {
     number: u32,
     /// Points, cylinders: what it is made of.
     parts: usize,
-    written: anyhow::Result<Grown>,
+    written: anyhow::Result<PlotTree>,
 }
 
-struct Grown {
+/// A tree that was written.
+struct PlotTree {
     report: Report,
     /// In the input's axes and units.
     foot: Option<[f64; 3]>,
@@ -115,7 +116,7 @@ impl Plot<'_> {
         self.outputs.opened(&number.to_string(), "", self.of_formats, (levels, &[]), files)
     }
 
-    fn tree(&self, number: u32, share: &Share<'_>, progress: &Progress) -> anyhow::Result<Grown> {
+    fn tree(&self, number: u32, share: &Share<'_>, progress: &Progress) -> anyhow::Result<PlotTree> {
         let (mut batch, _) = self.batch(number)?;
         let recipe = self.recipe(number)?.wanting(batch.wanted());
         let grown = grow(&recipe, share)?;
@@ -130,7 +131,7 @@ impl Plot<'_> {
         let holding = Holding::new(share, recipe.inputs.bytes());
         batch.write(&stage, &holding, |said| notes.extend(said.iter().cloned()))?;
         let files = batch.commit()?.into_iter().map(|file| file.path).collect();
-        Ok(Grown { report, foot: foot.map(|foot| foot.to_array()), files, notes })
+        Ok(PlotTree { report, foot: foot.map(|foot| foot.to_array()), files, notes })
     }
 
     /// CSV (RFC 4180), a row for each tree: its number, parts, foot, files, the numbers of `linden stats`, and what was

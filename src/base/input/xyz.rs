@@ -11,8 +11,9 @@ use crate::monitor::Monitor;
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
 /// the third are passed over, as are blank lines and comments (`#`, `//`). Before the first row
 /// there may be a line with the number of rows, and one line of any text (a header, a title). A header or comment that
-/// names `x`, `y` and `z` says which columns they are, and which tell trees apart (`treeID`, `tree` …). A comma between digits is a decimal one where other signs part the
-/// columns. After as many rows as were announced another number may announce more (PTS).
+/// names `x`, `y` and `z` says which columns they are, and which tell trees apart (`treeID`, `tree` …). A comma
+/// between digits is a decimal one where other signs part the columns. After as many rows as were announced another
+/// number may announce more (PTS).
 ///
 /// # Errors
 /// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite;

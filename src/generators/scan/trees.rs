@@ -75,12 +75,12 @@ pub(crate) fn chosen<'a>(
         .filter_map(|(&point, is_wanted)| is_wanted.then_some(point))
         .collect();
     if points.is_empty() {
-        let numbers: Vec<u32> = column.counts().into_iter().map(|(number, _)| number).collect();
+        let numbers = column.counts().into_iter().map(|(number, _)| number.to_string());
         return Err(ScanGrowthError::Trees(format!(
             "tree={wanted}: no point of {} has this number in '{}'; it numbers {}",
             printable(&settings.file),
             excerpt(&column.name),
-            named(&numbers)
+            the_first(numbers)
         )));
     }
     Ok((Cow::Owned(points), None))
@@ -98,22 +98,29 @@ fn several(settings: &ScanSettings, column: &TreeColumn) -> Option<String> {
     })
 }
 
-/// Numbers in a row.
-fn named(numbers: &[u32]) -> String {
-    let shown: Vec<String> = numbers.iter().take(MOST_NAMED).map(u32::to_string).collect();
-    let rest = numbers.len().saturating_sub(MOST_NAMED);
+/// The first of some texts in a row, and how many more there are.
+fn the_first(mut texts: impl Iterator<Item = String>) -> String {
+    let shown: Vec<String> = texts.by_ref().take(MOST_NAMED).collect();
+    let rest = texts.count();
     if rest == 0 { shown.join(", ") } else { format!("{} and {rest} more", shown.join(", ")) }
 }
 
 /// A column as a page shows it: its trees with their points.
 pub(crate) fn line(column: &TreeColumn) -> String {
     let counts = column.counts();
-    let shown: Vec<String> = counts
-        .iter()
-        .take(MOST_NAMED)
-        .map(|(number, points)| format!("{number} ({points} points)"))
-        .collect();
-    let rest = counts.len().saturating_sub(MOST_NAMED);
-    let more = if rest == 0 { String::new() } else { format!(" and {rest} more") };
-    format!("'{}': {} trees: {}{more}", excerpt(&column.name), counts.len(), shown.join(", "))
+    let trees = counts.iter().map(|(number, points)| format!("{number} ({points} points)"));
+    format!("'{}': {} trees: {}", excerpt(&column.name), counts.len(), the_first(trees))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn messages_name_a_dozen() {
+        let of = |count: u32| the_first((1..=count).map(|number| number.to_string()));
+        assert_eq!(of(2), "1, 2");
+        assert!(of(12).ends_with("11, 12"));
+        assert!(of(15).ends_with("11, 12 and 3 more"));
+    }
 }
