@@ -113,7 +113,8 @@ impl Skeleton {
         // Marks, nodes and their new numbers; the young tree.
         let young = nodes as u64 + 2 * word + self.bytes();
         let scratch = match wood.width {
-            Width::Grammar => 3 * word,
+            // Tips of both.
+            Width::Grammar => 4 * word,
             // Keys of the axes of both, and which axis each node is of.
             Width::Order | Width::Taper => 4 * word + bytes_of::<[f64; 6]>(self.axes.len()),
             // Tips, pipes, claims of one of both at a time.

@@ -24,8 +24,8 @@ impl Skeleton {
     /// model a twig of the young tree is as thick as one of the whole tree, so the trunk thickens as
     /// the tree grows; where no tip radius is given, the one that follows for the whole tree is
     /// kept. By order and taper the foot is as thick as the tree has reached of its height; what was
-    /// drawn for an axis holds from its first node on. Radii that were given stay as they are. The
-    /// result may be a foot without a segment, or nothing at all.
+    /// drawn for an axis holds from its first node on. Where radii were given, the wood's area goes with
+    /// the tips that it bears. The result may be a foot without a segment, or nothing at all.
     ///
     /// ```
     /// use linden_base::random::Key;

@@ -212,8 +212,7 @@ pub(super) fn build_young(
     let edges = edges.as_deref();
     match wood.width {
         Width::Grammar => {
-            let radii = nodes.iter().map(|&node| whole.radii[node as usize]).collect();
-            of_given(positions, parents, edges, radii)
+            of_given(positions, parents, edges, given::when_young(whole, nodes, parents))
         }
         Width::Order | Width::Taper => {
             let (axes, axis_nodes) = axes_by_tips(positions, parents, edges);
