@@ -94,6 +94,21 @@ pub struct Steps {
     pub unit: &'static str,
 }
 
+impl Steps {
+    /// How many of `count` steps a tree has behind it after a share of its growth: one at least, where there are any.
+    ///
+    /// ```
+    /// use linden_skeleton::generator::Steps;
+    /// assert_eq!([0.0, 0.2, 0.21, 1.0].map(|age| Steps::after(age, 5)), [1, 1, 2, 5]);
+    /// assert_eq!(Steps::after(0.3, 0), 0);
+    /// ```
+    pub fn after(age: f64, count: u32) -> u32 {
+        // Shares of whole numbers come out a little above them.
+        let step = libm::ceil(age * f64::from(count) - 1e-9) as u32;
+        step.clamp(count.min(1), count)
+    }
+}
+
 /// A key of a generator's table that is no knob.
 #[derive(Clone, Copy)]
 pub struct TableKey {

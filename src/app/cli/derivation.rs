@@ -19,7 +19,7 @@ pub(super) fn show(preset: &Preset, steps: u32, as_json: bool, progress: &Progre
     let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed()) };
     if as_json {
         let traced = trace(&lsystem.grammar, &settings, progress)?;
-        return super::print_json(&Word::of(&lsystem.grammar, steps, lsystem.derivations, traced));
+        return super::print_json(&Word::of(&lsystem.grammar, steps, lsystem.derivations_grown(), traced));
     }
     let word = derive_string(&lsystem.grammar, &settings)?;
     // What reads a pipe wants the word; people want lines that end between modules.

@@ -145,21 +145,21 @@ impl Settings for LSystem {
             axes: AxisRule::Grammar,
             places_organs: self.writes("{~", false),
             knows_use: false,
-            tells_age: self.derivations == 0 || !self.rewrites_all_wood(),
+            tells_age: self.derivations_grown() == 0 || !self.rewrites_all_wood(),
         }
     }
 
     fn draws(&self) -> bool {
         [self.angle_jitter_deg, self.branch_roll_deg, self.length_jitter].iter().any(|&most| most > 0.0)
-            || chooses(&self.grammar, self.derivations)
+            || chooses(&self.grammar, self.derivations_grown())
     }
 
     fn steps(&self) -> Option<Steps> {
-        Some(Steps { count: self.derivations, unit: "derivation" })
+        Some(Steps { count: self.derivations_grown(), unit: "derivation" })
     }
 
     fn at_step(&self, derivations: u32) -> Option<Box<dyn Settings>> {
-        Some(Box::new(Self { derivations, ..self.clone() }))
+        Some(Box::new(Self { derivations, age: 1.0, ..self.clone() }))
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {

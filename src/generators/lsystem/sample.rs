@@ -16,7 +16,7 @@ impl Fewer {
     pub fn new(settings: &LSystem, size: SampleSize, monitor: &dyn Monitor) -> Result<Self, GeneratorError> {
         let limit = size.symbols >> size.halvings.min(12);
         let whole = settings.forecast()?;
-        let mut smaller = settings.clone();
+        let mut smaller = LSystem { derivations: settings.derivations_grown(), age: 1.0, ..settings.clone() };
         let (mut times, mut crowding) = (1.0, 1.0);
         if whole.at_least || whole.symbols > limit.into() {
             if smaller.habit == StemHabit::Shrub {

@@ -2,6 +2,7 @@
 
 use linden_base::knob::{Field, Kind, integer, real};
 use linden_base::{field, words};
+use linden_skeleton::generator::Steps;
 use linden_skeleton::{Width, Wood};
 
 use crate::{
@@ -28,6 +29,8 @@ pub struct LSystem {
     pub angle_deg: f64,
     /// Rewriting steps.
     pub derivations: u32,
+    /// The share of them that the plant has behind it.
+    pub age: f64,
     /// Length of an `F`, metres.
     pub segment_length_m: f64,
     /// Derivations that give more symbols are refused.
@@ -61,6 +64,7 @@ impl LSystem {
             grammar,
             angle_deg: 25.0,
             derivations: 4,
+            age: 1.0,
             segment_length_m: 0.1,
             symbol_limit: 50_000_000,
             segment_width_m: 0.01,
@@ -76,12 +80,24 @@ impl LSystem {
         }
     }
 
+    /// The derivations that the plant has behind it at its age.
+    ///
+    /// ```
+    /// use linden_lsystem::{Grammar, LSystem};
+    /// let grammar = Grammar::new("F", &["F -> FF"])?;
+    /// assert_eq!(LSystem { derivations: 8, age: 0.3, ..LSystem::of(grammar) }.derivations_grown(), 3);
+    /// # Ok::<(), linden_lsystem::GrammarError>(())
+    /// ```
+    pub fn derivations_grown(&self) -> u32 {
+        Steps::after(self.age, self.derivations)
+    }
+
     /// How much it gives, all stems of a shrub together.
     ///
     /// # Errors
     /// Those of [`forecast`](crate::forecast()).
     pub fn forecast(&self) -> Result<Forecast, LsystemError> {
-        let one = forecast(&self.grammar, self.derivations)?;
+        let one = forecast(&self.grammar, self.derivations_grown())?;
         let stems = if self.habit == StemHabit::Shrub { self.stems.into() } else { 1 };
         let [symbols, segments] = [one.symbols, one.segments].map(|count| count.saturating_mul(stems));
         Ok(Forecast { symbols, segments, ..one })
@@ -90,7 +106,7 @@ impl LSystem {
     /// The settings of its derivation and its turtle.
     pub fn turtle(&self, seed: u64) -> TurtleSettings {
         TurtleSettings {
-            derivations: self.derivations,
+            derivations: self.derivations_grown(),
             angle_deg: self.angle_deg,
             segment_m: self.segment_length_m,
             symbol_limit: self.symbol_limit,
@@ -128,6 +144,18 @@ impl LSystem {
                  lengthen the plant, it gets larger as well as finer: see segment_length."
             ),
             see_also(&["segment_length", "symbol_limit", "age"])
+        ),
+        field!(
+            "age",
+            real(0.0, 1.0),
+            "",
+            "how far growth has come: the young plant after this share of all derivations; 1: the whole plant",
+            age,
+            details(
+                "At 0.4 of 10 derivations the rules are applied 4 times, once at least; whatever the grammar makes \
+                 longer, thicker or drops with time is as it was then."
+            ),
+            see_also(&["derivations"])
         ),
         field!(
             "angle",
@@ -294,6 +322,8 @@ impl LSystem {
         let is_ruled = matches!(wood.width, Width::Pipe | Width::Order | Width::Taper);
         match knob {
             "derivations" if self.grammar.productions().is_empty() => Some("the grammar has no rules"),
+            "age" if self.grammar.productions().is_empty() => Some("the grammar has no rules"),
+            "age" if self.derivations <= 1 => Some("derivations is 0 or 1"),
             "angle" if !self.writes(TURNS, true) => Some("each turn of the grammar names its angle"),
             "width_steps" | "width_smoothing" if wood.width == Width::Grammar && !self.writes("!", false) => {
                 Some("the grammar has no !: all its wood has one radius")

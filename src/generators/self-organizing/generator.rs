@@ -93,11 +93,11 @@ impl Settings for SelfOrganizing {
 
     /// A younger tree has branches that the older one shed, which births do not tell.
     fn steps(&self) -> Option<Steps> {
-        Some(Steps { count: self.years, unit: "year" })
+        Some(Steps { count: self.years_grown(), unit: "year" })
     }
 
     fn at_step(&self, years: u32) -> Option<Box<dyn Settings>> {
-        Some(Box::new(Self { years: years.max(1), ..self.clone() }))
+        Some(Box::new(Self { years: years.max(1), age: 1.0, ..self.clone() }))
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {

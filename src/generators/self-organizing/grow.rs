@@ -82,9 +82,10 @@ pub fn grow_stand(
         let turn = key.named("turn").on_circle();
         growth.plant(foot.as_dvec3() / settings.internode_m + CENTRE, DVec3::new(turn.x, 0.0, turn.y), key);
     }
-    while growth.year < settings.years {
+    let years = settings.years_grown();
+    while growth.year < years {
         growth.grow_year(monitor)?;
-        monitor.advance(Phase::Age, growth.year.into(), Some(settings.years.into()));
+        monitor.advance(Phase::Age, growth.year.into(), Some(years.into()));
     }
     growth.finish(monitor)
 }
@@ -187,7 +188,7 @@ impl<'a> Growth<'a> {
         let (there, limit) = (self.nodes.len() as u64, self.settings.max_nodes);
         let nodes = there - shed_nodes as u64 + new;
         if nodes > limit.into() {
-            let (year, years) = (self.year, self.settings.years);
+            let (year, years) = (self.year, self.settings.years_grown());
             return Err(SelfOrganizingError::TooManyNodes { year, years, nodes, limit });
         }
         // Lists may move to places twice as large.
@@ -226,7 +227,7 @@ impl<'a> Growth<'a> {
         let pipes = nodes.pipes();
         let is_root = |&node: &usize| !nodes.is_foot(node);
         if !(0..nodes.len()).any(|node| is_root(&node)) {
-            let (years, vigor) = (settings.years, settings.vigor);
+            let (years, vigor) = (settings.years_grown(), settings.vigor);
             return Err(SelfOrganizingError::NothingGrew { years, vigor });
         }
         let radius = |&pipes: &u32| (0.5 * settings.diameter_m(pipes)) as f32;

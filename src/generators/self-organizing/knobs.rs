@@ -2,6 +2,7 @@
 
 use linden_base::field;
 use linden_base::knob::{Field, Kind, integer, real, real_or_auto};
+use linden_skeleton::generator::Steps;
 
 use crate::tree::MOST_BUDS;
 use crate::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
@@ -12,6 +13,11 @@ const fn per_order(min: f64, max: f64) -> Kind {
 }
 
 impl SelfOrganizing {
+    /// The years that the tree has behind it at its age.
+    pub fn years_grown(&self) -> u32 {
+        Steps::after(self.age, self.years)
+    }
+
     /// The knobs.
     pub const FIELDS: &[Field<Self>] = &[
         field!(
@@ -21,6 +27,18 @@ impl SelfOrganizing {
             "how long the tree grows",
             years,
             see_also(&["vigor", "internode", "max_nodes"])
+        ),
+        field!(
+            "age",
+            real(0.0, 1.0),
+            "",
+            "how far growth has come: the young tree after this share of its years; 1: the whole tree",
+            age,
+            details(
+                "The tree of that year, with the branches that it shed later. At 0.25 a tree of 40 years is 10 years \
+                 old; one year is the least."
+            ),
+            see_also(&["years"])
         ),
         field!(
             "internode",

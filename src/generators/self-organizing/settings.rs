@@ -46,6 +46,8 @@ words! {
 pub struct SelfOrganizing {
     /// Years that the tree grows.
     pub years: u32,
+    /// The share of them that it has behind it.
+    pub age: f64,
     /// Length of an internode in a shoot that gets a whole number, metres: the edge of a voxel of light.
     pub internode_m: f64,
     /// Internodes that a bud in full light may grow in a year: α.
@@ -146,6 +148,7 @@ impl Default for SelfOrganizing {
     fn default() -> Self {
         Self {
             years: 20,
+            age: 1.0,
             internode_m: 0.1,
             vigor: 2.0,
             decline_from: 0,

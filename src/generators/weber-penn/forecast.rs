@@ -32,6 +32,7 @@ const PARTS: u32 = 32;
 /// The numbers that settings lead to, the envelope aside, which leaves fewer. The spread of lengths and of the
 /// number of clones cancels out; numbers of children are rounded down stem by stem.
 pub fn forecast(settings: &WeberPenn) -> Forecast {
+    let settings = &*settings.at_age();
     let levels: Vec<Level> = (0..=settings.levels as usize).map(|level| settings.level(level)).collect();
     let last = settings.levels as usize - 1;
     let mut stems = libm::round(levels[0].branches.abs()).max(1.0);

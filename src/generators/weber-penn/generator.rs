@@ -5,8 +5,8 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, TableKey, Task,
-    Traits,
+    Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps, TableKey,
+    Task, Traits,
 };
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
@@ -28,6 +28,9 @@ const WEBER_PENN: Publication = Publication {
     venue: "Proceedings of SIGGRAPH 95",
     pages: "119-128",
 };
+
+/// Steps in which a whole tree is shown to grow.
+const PLAYED: u32 = 40;
 
 struct WeberPennTrees;
 
@@ -108,6 +111,15 @@ impl Settings for WeberPenn {
             places_organs: self.leaves != 0.0 && self.levels > 1,
             ..Traits::default()
         }
+    }
+
+    fn steps(&self) -> Option<Steps> {
+        Some(Steps { count: Steps::after(self.age, PLAYED), unit: "step" })
+    }
+
+    fn at_step(&self, step: u32) -> Option<Box<dyn Settings>> {
+        let reached = f64::from(step) / f64::from(Steps::after(self.age, PLAYED));
+        Some(Box::new(Self { age: (self.age * reached).clamp(0.0, 1.0), ..self.clone() }))
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {

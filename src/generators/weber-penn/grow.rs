@@ -49,6 +49,7 @@ pub struct Drawn {
 /// # Errors
 /// [`WeberPennError`]: too many nodes or leaves, too little memory, cancelled.
 pub fn grow(settings: &WeberPenn, key: Key, monitor: &dyn Monitor) -> Result<Drawn, WeberPennError> {
+    let settings = &*settings.at_age();
     let expected = forecast(settings);
     expected.check(settings)?;
     let scale_m = drawn_scale(settings, key);

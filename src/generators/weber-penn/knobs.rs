@@ -50,6 +50,18 @@ impl WeberPenn {
             see_also(&["branches", "leaves"])
         ),
         field!(
+            "age",
+            real(0.0, 1.0),
+            "",
+            "how far growth has come: the young tree at this share of its size; 1: the whole tree",
+            age,
+            details(
+                "The paper has no time. At 0.3 scale is three tenths, and so are the numbers of branches and leaves \
+                 of each stem, one at least; leaves keep their size."
+            ),
+            see_also(&["scale", "branches", "leaves"])
+        ),
+        field!(
             "base_size",
             real(0.0, 1.0),
             "",

@@ -1,7 +1,12 @@
 //! The settings: the parameters of the paper, by its names.
 
+use std::borrow::Cow;
+
 use crate::level::Level;
 use crate::shape::{CrownShape, Dialect, Envelope};
+
+/// No tree is smaller than this share of the grown one.
+const LEAST_AGE: f64 = 0.01;
 
 /// The most levels of stems.
 pub const MAX_LEVELS: u32 = 8;
@@ -23,6 +28,8 @@ pub struct WeberPenn {
     pub scale_m: f64,
     /// The most by which it differs, metres.
     pub scale_spread_m: f64,
+    /// The share of its size that the tree has reached.
+    pub age: f64,
     /// Radius of the trunk ÷ its length.
     pub ratio: f64,
     /// How fast radii fall with lengths from a stem to its children.
@@ -124,6 +131,27 @@ impl WeberPenn {
         }
     }
 
+    /// The parameters of the tree at its age: as large as it has grown by then, with as many stems to a metre and as
+    /// many leaves to a metre of twig as when it is whole, and leaves as large as ever.
+    pub(crate) fn at_age(&self) -> Cow<'_, Self> {
+        let share = self.age;
+        if share >= 1.0 {
+            return Cow::Borrowed(self);
+        }
+        let share = share.max(LEAST_AGE);
+        let mut young = Self { age: 1.0, ..self.clone() };
+        young.scale_m *= share;
+        young.scale_spread_m *= share;
+        let branches = |level: usize| self.level(level).branches;
+        // One at least of each: a sapling, not a pole.
+        let fewer = |count: f64| (count.abs() * share).max(count.abs().min(1.0)).copysign(count);
+        young.branches = (0..=self.levels as usize)
+            .map(|level| if level == 0 { branches(0) } else { fewer(branches(level)) })
+            .collect();
+        young.leaves = fewer(self.leaves);
+        Cow::Owned(young)
+    }
+
     /// The share of the longest branch by the paper's ratio.
     pub(crate) fn shape_ratio(&self, shape: CrownShape, r: f64) -> f64 {
         shape.ratio(r, self.dialect, &self.envelope)
@@ -176,6 +204,7 @@ impl Default for WeberPenn {
             base_size: 0.25,
             scale_m: 10.0,
             scale_spread_m: 0.0,
+            age: 1.0,
             ratio: 0.05,
             ratio_power: 1.0,
             trunk_scale: 1.0,

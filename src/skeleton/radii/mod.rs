@@ -211,9 +211,7 @@ pub(super) fn build_young(
     let edges = (wood.axes == AxisRule::Grammar).then(|| whole.edges_of(nodes));
     let edges = edges.as_deref();
     match wood.width {
-        Width::Grammar => {
-            of_given(positions, parents, edges, given::when_young(whole, nodes, parents))
-        }
+        Width::Grammar => of_given(positions, parents, edges, given::when_young(whole, nodes, parents)),
         Width::Order | Width::Taper => {
             let (axes, axis_nodes) = axes_by_tips(positions, parents, edges);
             let (now, then) = (height(positions), height(&whole.positions));

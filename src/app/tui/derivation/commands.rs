@@ -66,7 +66,7 @@ fn page(model: &mut Model, down: bool) {
 
 /// The derivations of the tree itself.
 pub(super) fn last_step(model: &Model) -> Option<u32> {
-    Some(model.tree.as_ref()?.wanted().preset.settings::<LSystem>()?.derivations)
+    Some(model.tree.as_ref()?.wanted().preset.settings::<LSystem>()?.derivations_grown())
 }
 
 /// The rows.

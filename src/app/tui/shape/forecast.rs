@@ -27,7 +27,7 @@ pub fn line(preset: &Preset) -> Option<String> {
         count(forecast.symbols),
         count(forecast.segments),
         thousands(forecast.depth),
-        lsystem.derivations
+        lsystem.derivations_grown()
     );
     if forecast.symbols > lsystem.symbol_limit.into() {
         line += &format!(": more than the symbol_limit of {}", thousands(lsystem.symbol_limit));
