@@ -1,5 +1,6 @@
 //! Presets: a document ⇄ what the pipeline needs, and the table of knobs between them.
 
+mod ages;
 mod define;
 mod edit;
 mod edits;
@@ -34,6 +35,7 @@ use linden_skeleton::edit::Edit as WoodEdit;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
+pub use ages::{AGES, Age, AgeError, MOST_AGES};
 pub use define::DefineError;
 pub use edit::EditError;
 pub use edits::{EDIT_OPERATION, EDITS, ShortEditError};
@@ -54,6 +56,7 @@ pub use linden_plant::settings::{
 };
 pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
+pub use linden_self_organizing::SelfOrganizing;
 pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
@@ -91,6 +94,8 @@ pub struct Preset {
     pub edits: Vec<WoodEdit>,
     /// How it looks.
     pub dressing: Dressing,
+    /// Ages that have names.
+    ages: Vec<Age>,
     /// Of knobs that each seed draws anew.
     spreads: Vec<KnobSpread>,
 }

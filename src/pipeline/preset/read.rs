@@ -8,6 +8,7 @@ use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 use linden_skeleton::{WidthSteps, Wood};
 
+use super::ages::{self, AGES};
 use super::edits::{self, EDITS};
 use super::kinds::kind_rows;
 use super::knobs::{KNOBS, PresetKnob, Section};
@@ -81,6 +82,7 @@ impl Preset {
             wood: Wood::default(),
             edits: Vec::new(),
             dressing: Dressing::default(),
+            ages: Vec::new(),
             spreads: Vec::new(),
         }
     }
@@ -180,12 +182,17 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
                 }
             }
             None if entry.key == EDITS => preset.edits = edits::read(&entry.node)?,
+            // They turn what all other tables have set.
+            None if entry.key == AGES => {}
             None if HEADINGS.contains(&entry.key.as_str()) => {}
             None => turn(&mut preset, Section::Tree, entry)?,
         }
     }
     // The seed may have come last.
     preset.redraw();
+    if let Some(entry) = entries.iter().find(|entry| entry.key == AGES) {
+        preset.ages = ages::read(&preset, &entry.node)?;
+    }
     Ok(preset)
 }
 
@@ -340,7 +347,7 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
     names.extend(materials(preset, section));
     if section == Section::Tree {
         names.extend(HEADINGS);
-        names.push(EDITS);
+        names.extend([EDITS, AGES]);
         names.extend(Section::all().iter().map(|s| s.key()).filter(|s| !s.is_empty()));
     }
     match nearest(&key, names.iter().copied()) {

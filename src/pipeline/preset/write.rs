@@ -9,6 +9,7 @@ use linden_plant::settings::{ALSO, KIND_NAME, LeafKind};
 use linden_skeleton::generator::Written;
 
 use super::Preset;
+use super::ages::{AGES, WrittenAges};
 use super::edits::{EDITS, WrittenEdit};
 use super::kinds::kind_rows;
 use super::knobs::Section;
@@ -50,6 +51,9 @@ impl Preset {
             } else if !knobs.is_empty() {
                 map.serialize_entry(section.key(), &knobs)?;
             }
+        }
+        if !self.ages.is_empty() {
+            map.serialize_entry(AGES, &WrittenAges(&self.ages))?;
         }
         if !self.edits.is_empty() {
             map.serialize_entry(EDITS, &self.edits.iter().map(WrittenEdit).collect::<Vec<_>>())?;
