@@ -9,9 +9,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use crate::{
-    Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Pictures, Written,
-    commit_all, ensure_distinct, ensure_spared, examine,
+    AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options,
+    Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
 };
+use linden_pipeline::scene::Bounds;
 use linden_pipeline::season::Season;
 use linden_pipeline::stage::Stage;
 use linden_pipeline::{Monitor, Wanted};
@@ -27,6 +28,10 @@ pub struct Output {
     pub path: PathBuf,
     /// The only level of detail in it; `None`: all, as far as the format holds them.
     pub level: Option<usize>,
+    /// The only age of a plant that is in it, by its name; `None`: there are no ages.
+    pub age: Option<String>,
+    /// Whether it is one file over those of all ages.
+    gathers: bool,
     /// The only season in it, by its name; `None`: all, as far as the format holds them.
     pub season: Option<String>,
     /// The file that was asked for, and where it became one for each season that of this season: those
@@ -37,13 +42,39 @@ pub struct Output {
 impl Output {
     /// All levels of detail and seasons in this file.
     pub fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
-        Self { exporter, options, families: vec![path.clone()], path, level: None, season: None }
+        let families = vec![path.clone()];
+        Self { exporter, options, families, path, level: None, age: None, gathers: false, season: None }
+    }
+
+    /// The files for a plant at several ages: `oak_young.glb`, `oak_old.glb` and so on; for a format that can name other
+    /// files, one over them too. `None` for a stream, which holds one.
+    pub fn in_ages(self, ages: &[&str]) -> Option<Vec<Self>> {
+        if ages.is_empty() {
+            return Some(vec![self]);
+        }
+        if self.is_stream() {
+            return None;
+        }
+        let named = |name: &&str| {
+            let path = self.path_with(&format!("_{name}"));
+            let families = self.families.iter().cloned().chain([path.clone()]).collect();
+            Self { path, age: Some((*name).to_owned()), families, ..self.clone() }
+        };
+        let mut files: Vec<Self> = ages.iter().map(named).collect();
+        if self.exporter.gatherer().is_some() {
+            files.push(Self { gathers: true, ..self.clone() });
+        }
+        Some(files)
     }
 
     /// The files for these seasons: this one, or for a format that holds one season only `oak_summer.glb`,
     /// `oak_autumn.glb` and so on. A stream stays one, with the first that there is.
     pub fn in_seasons(self, seasons: &[Season]) -> Vec<Self> {
-        if seasons.is_empty() || self.is_stream() || self.exporter.format().seasons() != LooksIn::Files {
+        if seasons.is_empty()
+            || self.gathers
+            || self.is_stream()
+            || self.exporter.format().seasons() != LooksIn::Files
+        {
             return vec![self];
         }
         let named = |Season { name, .. }: &Season| {
@@ -58,7 +89,7 @@ impl Output {
     /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
     pub fn in_levels(self, levels: usize) -> Vec<Self> {
         let looks_in = self.exporter.format().levels_with(&self.options);
-        if levels < 2 || self.is_stream() || looks_in != LooksIn::Files {
+        if levels < 2 || self.gathers || self.is_stream() || looks_in != LooksIn::Files {
             return vec![self];
         }
         let path = |level: usize| self.path_with(&format!("_LOD{level}"));
@@ -116,6 +147,7 @@ impl fmt::Debug for Output {
             .field("options", &self.options.iter().collect::<Vec<_>>())
             .field("path", &self.path)
             .field("level", &self.level)
+            .field("age", &self.age)
             .field("season", &self.season)
             .finish_non_exhaustive()
     }
@@ -131,6 +163,8 @@ pub struct Batch {
     written: Vec<Bundle>,
     /// Made for the files, and removed again after them unless they are committed.
     folders: Vec<MadeFolders>,
+    /// Ages that were written: name, the plant's name, its box.
+    ages: Vec<(String, String, Option<Bounds>)>,
 }
 
 impl Batch {
@@ -166,7 +200,8 @@ impl Batch {
         let bundles = outputs.iter().map(sharing).collect::<Result<Vec<_>, ExportError>>()?;
         ensure_distinct(&bundles)?;
         ensure_spared(&bundles, &sources)?;
-        Ok(Self { outputs, bundles, sources, written: Vec::new(), folders: Vec::new() })
+        let (written, folders, ages) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { outputs, bundles, sources, written, folders, ages })
     }
 
     /// With folders that were made for it.
@@ -226,14 +261,34 @@ impl Batch {
         &mut self,
         stage: &Stage<'_>,
         monitor: &dyn Monitor,
+        told: impl FnMut(&[String]),
+    ) -> Result<(), ExportError> {
+        self.write_age(None, stage, monitor, told)
+    }
+
+    /// The same with the outputs of one age of a plant: see [`Output::in_ages`].
+    ///
+    /// # Errors
+    /// Those of the exporters.
+    pub fn write_age(
+        &mut self,
+        age: Option<&str>,
+        stage: &Stage<'_>,
+        monitor: &dyn Monitor,
         mut told: impl FnMut(&[String]),
     ) -> Result<(), ExportError> {
         let levels = stage.levels();
-        let mut has = self.outputs.iter().map(|output| output.level.is_none_or(|level| level < levels));
-        self.bundles.retain(|_| has.next().unwrap_or(false));
-        self.outputs.retain(|output| output.level.is_none_or(|level| level < levels));
+        let is_its = |output: &Output| output.age.as_deref() == age && !output.gathers;
+        let has = |output: &Output| !is_its(output) || output.level.is_none_or(|level| level < levels);
+        let mut kept = self.outputs.iter().map(has);
+        self.bundles.retain(|_| kept.next().unwrap_or(false));
+        self.outputs.retain(has);
+        if let Some(age) = age {
+            self.ages.push((age.to_owned(), stage.name.clone(), stage.bounds()));
+        }
         let mut said: Vec<String> = Vec::new();
-        for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
+        let outputs = self.outputs.iter().zip(&mut self.bundles).filter(|(output, _)| is_its(output));
+        for (output, bundle) in outputs {
             let part = output.part_of(stage);
             output.exporter.write(part.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
             // What is true of several outputs is said once.
@@ -241,6 +296,34 @@ impl Batch {
                 bundle.notes().iter().filter(|note| !said.contains(note)).cloned().collect();
             told(&new);
             said.extend(new);
+        }
+        Ok(())
+    }
+
+    /// Writes what gathers the files of all ages that were written.
+    ///
+    /// # Errors
+    /// Those of the exporters.
+    pub fn gather(&mut self, monitor: &dyn Monitor) -> Result<(), ExportError> {
+        let (outputs, ages) = (&self.outputs, &self.ages);
+        for (output, bundle) in outputs.iter().zip(&mut self.bundles).filter(|(output, _)| output.gathers) {
+            let Some(gather) = output.exporter.gatherer() else { continue };
+            // The finest level, where levels have files of their own.
+            let of_age = |age: &str| {
+                let is_its = |other: &&Output| {
+                    other.age.as_deref() == Some(age) && other.families.first() == output.families.first()
+                };
+                outputs
+                    .iter()
+                    .filter(|other| other.exporter.format().id == output.exporter.format().id)
+                    .find(is_its)
+            };
+            let file = |(age, _, bounds): &(String, String, Option<Bounds>)| {
+                let name = of_age(age)?.path.file_name()?.to_string_lossy().into_owned();
+                Some(AgeFile { age: age.clone(), file: format!("./{name}"), bounds: *bounds })
+            };
+            let name = ages.first().map_or_else(String::new, |(_, name, _)| name.clone());
+            gather(&AgeSet { name, ages: ages.iter().filter_map(file).collect() }, bundle, monitor)?;
         }
         Ok(())
     }

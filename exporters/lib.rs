@@ -79,7 +79,7 @@ use std::io;
 use linden_pipeline::Monitor;
 use linden_pipeline::stage::Stage;
 
-pub use assembly::{Assembly, Member, MemberPlace};
+pub use assembly::{AgeFile, AgeSet, Assembly, Member, MemberPlace};
 pub use batch::{Batch, Output, default_name, plain_stem};
 pub use bundle::{
     Bundle, Existing, MadeFolders, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,
@@ -98,10 +98,18 @@ pub use traces::Traces;
 /// What wrote a file, as files say it: `linden 0.2.0 (abc1234)`.
 pub const GENERATOR: &str = linden_pipeline::recipe::PROGRAM;
 
+/// Writes one file over those of a plant at several ages.
+pub type Gatherer = fn(&AgeSet, &mut Bundle, &dyn Monitor) -> Result<(), ExportError>;
+
 /// Writes stages in one format: see [`writing`] for one of a few lines.
 pub trait Exporter: Sync {
     /// What the format is called and can do.
     fn format(&self) -> &'static Format;
+
+    /// What writes one file over those of a plant at several ages, in formats that can name other files.
+    fn gatherer(&self) -> Option<Gatherer> {
+        None
+    }
 
     /// The recipe that a file of this format carries, read from its beginning: as [`Exporter::write`] put
     /// it there, letter by letter. `None` for files of other formats and those without a recipe. Reads

@@ -6,6 +6,7 @@
 //! | written as | is |
 //! |---|---|
 //! | [`Assembly::write_usd`] | an OpenUSD layer with a payload a plant: opens unloaded |
+//! | [`AgeSet::write_usd`] | an OpenUSD layer with a variant an age |
 //! | [`Assembly::write_tileset`] | a tileset of 3D Tiles 1.1 over glTF files: streams what is near |
 //!
 //! ```
@@ -25,11 +26,14 @@
 //! # }
 //! ```
 
+mod ages;
 mod tiles;
 
 use glam::{DVec2, DVec3};
 use linden_pipeline::Monitor;
 use linden_pipeline::scene::Bounds;
+
+pub use ages::{AgeFile, AgeSet};
 
 use crate::usda::payloads;
 use crate::{Bundle, ExportError};

@@ -11,7 +11,7 @@ use super::{COLLISION, MOST, OPTIONS, bones, estimate, flavored, plant, write_be
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Gatherer, Holds, Readable, Traces};
 
 /// OpenUSD in binary.
 pub(crate) struct Usdc;
@@ -32,6 +32,10 @@ static FORMAT: Format = Format {
 impl Exporter for Usdc {
     fn format(&self) -> &'static Format {
         &FORMAT
+    }
+
+    fn gatherer(&self) -> Option<Gatherer> {
+        Some(|ages, bundle, monitor| ages.write_usd(true, bundle, monitor))
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {

@@ -19,6 +19,7 @@
 //! `userProperties:linden:recipe` (what importers keep). The skeleton has purpose `guide`: it lies
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
+pub(crate) mod ages;
 mod assembly;
 mod binary;
 mod bones;
@@ -63,7 +64,8 @@ use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory, note_asked};
 use crate::{
-    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces, recipe, traces,
+    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Gatherer, Holds, Readable, Sink, Traces,
+    recipe, traces,
 };
 
 const MATERIALX: OptionSpec = OptionSpec::switch(
@@ -280,6 +282,10 @@ const SKY: &str = "_sky";
 impl Exporter for Usda {
     fn format(&self) -> &'static Format {
         &FORMAT
+    }
+
+    fn gatherer(&self) -> Option<Gatherer> {
+        Some(|ages, bundle, monitor| ages.write_usd(false, bundle, monitor))
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {

@@ -120,13 +120,13 @@ uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY", "xformOp
 }
 
 /// The box of a model whose payload is not loaded.
-fn extents_hint(min: [f32; 3], max: [f32; 3]) -> String {
+pub(super) fn extents_hint(min: [f32; 3], max: [f32; 3]) -> String {
     let corner = super::syntax::tuple;
     format!("float3[] extentsHint = [{}, {}]", corner(min), corner(max))
 }
 
 /// The path of a file as a literal. A path that has an `@` stands between three of them.
-fn asset(path: &str) -> String {
+pub(super) fn asset(path: &str) -> String {
     let path: String = path.chars().filter(|c| !c.is_ascii_control()).collect();
     if path.contains('@') { format!("@@@{}@@@", path.replace("@@@", "\\@@@")) } else { format!("@{path}@") }
 }

@@ -25,7 +25,7 @@ use crate::reading::{self, Content};
 use crate::trust;
 
 /// A recipe and what it is called.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Source {
     /// As the user gave it, printable.
     pub shown: String,

@@ -10,10 +10,11 @@ use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::grow::Grown;
+use crate::preset::AGES;
 use crate::recipe::{Recipe, VERSION};
 
-/// Keys of a document that decide nothing of a tree: who wrote it, and what it is called.
-const ASIDE: [&str; 8] = ["linden", "hash", "id", "name", "group", "summary", "source", "about"];
+/// Keys of a document that decide nothing of a tree: who wrote it, what it is called, what it could be turned to.
+const ASIDE: [&str; 9] = ["linden", "hash", "id", "name", "group", "summary", "source", "about", AGES];
 
 /// The fingerprints of a grown tree: [`Skeleton::hash`](crate::Skeleton::hash) and
 /// [`Organs::hash`](crate::foliage::Organs::hash).

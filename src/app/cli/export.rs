@@ -1,6 +1,7 @@
 //! `linden export`: grow a source and write it in one or more formats.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::Context;
 use clap::Args;
@@ -8,14 +9,19 @@ use linden::dress::{levels, year};
 use linden::monitor::Holding;
 use linden::preset::InputTrees;
 use linden::season::Season;
-use linden_exporters::{Exporter, REGISTRY};
+use linden::texture::DrawnPictures;
+use linden_exporters::{Batch, Exporter, REGISTRY};
 
+use super::ages::aged;
+use super::crew::room_for_pictures;
 use super::forest::{Written, side_by_side};
-use super::outputs::{Outputs, commit, list, write};
+use super::outputs::{Files, Outputs, commit, list, of_age, write_age};
+use super::placing::explained;
 use super::plot::{Plot, USUAL_FORMAT};
 use super::scene::SceneFlags;
 use super::timings::Timings;
 use super::{GrowArgs, complete};
+use crate::cache;
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -67,6 +73,12 @@ pub struct Export {
     #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", add = complete::seasons())]
     seasons: Option<String>,
 
+    /// The plant at several ages: names that the source has for them ('linden show'), names with a share of its growth
+    /// like half=0.5, or years like 10y where it grows by them; all that it names when none is given. Each has a file;
+    /// USD has one over them too, with the ages as variants
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all")]
+    ages: Option<String>,
+
     #[command(flatten)]
     scene: SceneFlags,
 
@@ -109,6 +121,9 @@ impl Export {
             }
             self.growing.without_defines("export each by itself")?;
             self.growing.without_edits("export each by itself")?;
+            if self.ages.is_some() {
+                return Err(usage("--ages is for one source: export each by itself"));
+            }
             if self.seasons.is_some() {
                 return Err(usage(
                     "--seasons is for one source: export each by itself, or turn all to one with --set season=summer",
@@ -122,46 +137,41 @@ impl Export {
             let written = Written { outputs, of_formats: &of_formats, command, scene };
             return side_by_side(&sources, &settings, written, &progress);
         }
-        let mut source = self.growing.resolve_in(&settings, &seasons, &progress)?;
+        let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         let trees = source.recipe.preset.trees(&source.recipe.inputs).filter(|trees| trees.numbers.len() > 1);
         if let (Some(trees), true) = (trees, self.outputs.folder().is_some()) {
             return self.plot(source, trees, &settings, &of_formats, &progress);
         }
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
-        let planned = source.recipe.preset.dressing.detail.levels();
-        let files = source.files.clone();
-        let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;
+        let ages = match &self.ages {
+            Some(list) => aged(&source, list, &settings)?,
+            None => Vec::new(),
+        };
+        if self.timings && !ages.is_empty() {
+            return Err(usage("--timings is for one age: turn it with --set age=0.5"));
+        }
+        let names: Vec<&str> = ages.iter().map(|(name, _)| name.as_str()).collect();
+        let levels = source.recipe.preset.dressing.detail.levels();
+        let files = Files { levels, seasons: &seasons, ages: &names };
+        let mut batch = self.outputs.open(id, &command, &of_formats, files, source.files.clone())?;
         let streams = batch.streams();
         if self.json && streams > 0 {
             return Err(usage("--json: the file itself is on standard output; write it with -o FILE"));
         }
         timings.lap("read");
-        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
-            let seconds = outlook.export_s(&source.recipe, &batch.formats(), seasons.len());
-            announce(seconds, &outlook.amount());
-        }
-        source.recipe = source.recipe.wanting(batch.wanted());
-        let grown = super::grown_and_drawn(&source, &progress)?;
-        timings.lap("grow");
-        let (one, several);
-        let (stage, notes) = if seasons.is_empty() {
-            one = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-            (one.stage(), &one.notes)
+        let made = Made { settings: &settings, seasons: &seasons, scene: &self.scene };
+        if ages.is_empty() {
+            made.write(None, source.clone(), &mut batch, &mut timings, &progress)?;
         } else {
-            several =
-                year(&source.recipe, &grown, &seasons, &progress).with_context(|| source.shown.clone())?;
-            (several.stage(), &several.notes)
-        };
-        super::notes(notes, &progress);
-        let stage = stage.turned_by(settings.iter().map(|(name, _)| name.as_str()));
-        let stage = self.scene.around(stage, &progress)?;
-        // Scenes have taken what they need of it.
-        drop(grown);
-        timings.lap("dress");
-        let holding = Holding::new(&progress, source.recipe.inputs.bytes());
-        write(&mut batch, &stage, &holding, &progress)?;
-        timings.lap("write");
+            // What does not change with age is drawn once.
+            let drawn = Arc::new(cache::pictures(DrawnPictures::new(room_for_pictures(&progress))));
+            for (name, mut source) in ages {
+                source.recipe = source.recipe.drawn_into(&drawn);
+                made.write(Some(&name), source, &mut batch, &mut timings, &progress)?;
+            }
+            batch.gather(&progress).map_err(explained)?;
+        }
         let written = commit(batch, &progress)?;
         timings.lap("commit");
         if self.timings && !self.json {
@@ -183,10 +193,10 @@ impl Export {
         of_formats: &[(String, String)],
         progress: &Progress,
     ) -> anyhow::Result<()> {
-        if self.timings || self.seasons.is_some() {
+        if self.timings || self.seasons.is_some() || self.ages.is_some() {
             let knob = trees.knob;
             return Err(usage(format!(
-                "--timings and --seasons are for one tree: say which with --set {knob}=N"
+                "--timings, --seasons and --ages are for one tree: say which with --set {knob}=N"
             )));
         }
         self.outputs.with_usual(USUAL_FORMAT);
@@ -194,6 +204,53 @@ impl Export {
         let turned = settings.iter().map(|(name, _)| name.as_str()).collect();
         let (outputs, scene) = (&self.outputs, &self.scene);
         Plot { source, trees, folder, outputs, of_formats, turned, scene }.write(progress)
+    }
+}
+
+/// How a source is made into files.
+struct Made<'a> {
+    /// Knobs that were turned.
+    settings: &'a [(String, String)],
+    seasons: &'a [Season],
+    scene: &'a SceneFlags,
+}
+
+impl Made<'_> {
+    /// Grows a source, at one of its ages if there are several, and writes its files under temporary names.
+    fn write(
+        &self,
+        age: Option<&str>,
+        mut source: Source,
+        batch: &mut Batch,
+        timings: &mut Timings,
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
+        let place = age.map_or_else(|| source.shown.clone(), |age| format!("{}, {age}", source.shown));
+        if let Some(outlook) = Outlook::of(&source.recipe, progress) {
+            let seconds = outlook.export_s(&source.recipe, &batch.formats(), self.seasons.len());
+            announce(seconds, &outlook.amount());
+        }
+        source.recipe = source.recipe.wanting(batch.wanted());
+        let grown = super::grown_and_drawn(&source, progress)?;
+        timings.lap("grow");
+        let (one, several);
+        let (stage, notes) = if self.seasons.is_empty() {
+            one = levels(&source.recipe, &grown, progress).with_context(|| place.clone())?;
+            (one.stage(), &one.notes)
+        } else {
+            several = year(&source.recipe, &grown, self.seasons, progress).with_context(|| place.clone())?;
+            (several.stage(), &several.notes)
+        };
+        super::notes(&of_age(age, notes), progress);
+        let stage = stage.turned_by(self.settings.iter().map(|(name, _)| name.as_str()));
+        let stage = self.scene.around(stage, progress)?;
+        // Scenes have taken what they need of it.
+        drop(grown);
+        timings.lap("dress");
+        let holding = Holding::new(progress, source.recipe.inputs.bytes());
+        write_age(batch, age, &stage, &holding, progress)?;
+        timings.lap("write");
+        Ok(())
     }
 }
 

@@ -7,7 +7,7 @@ use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCATTERING, builtin_forests};
 use linden::monitor::Holding;
 
-use super::outputs::{Outputs, finish, write};
+use super::outputs::{Files, Outputs, finish, write};
 use super::scene::SceneFlags;
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
@@ -173,7 +173,7 @@ impl Written<'_> {
         let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.dressing.detail.levels());
         let most = counts.max().unwrap_or(1);
         let mut batch =
-            self.outputs.open(&forest.id, &self.command, self.of_formats, (most, &[]), sources)?;
+            self.outputs.open(&forest.id, &self.command, self.of_formats, Files::in_levels(most), sources)?;
         let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
         let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
         announce(outlook.export_s(&batch.formats()), &outlook.amount());

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one table ([`CliCommand`]) that parsing, help,
 //! completions and the manual are made from.
 
+mod ages;
 mod axes;
 mod batch;
 mod bench;

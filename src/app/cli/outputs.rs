@@ -58,20 +58,37 @@ pub struct Outputs {
     placing: Placing,
 }
 
+/// What of a plant has files of its own, in formats that hold one of it.
+#[derive(Clone, Copy, Default)]
+pub struct Files<'a> {
+    /// Levels of detail.
+    pub levels: usize,
+    /// Seasons, if any are named.
+    pub seasons: &'a [Season],
+    /// Names of ages, if any are named.
+    pub ages: &'a [&'a str],
+}
+
+impl Files<'_> {
+    /// Of a plant in one season at one age.
+    pub const fn in_levels(levels: usize) -> Self {
+        Self { levels, seasons: &[], ages: &[] }
+    }
+}
+
 impl Outputs {
     /// Tries all targets, before anything grows. `id` names files that have no name; `command` is what a
     /// user who named neither file nor format could have typed; `settings` are `FORMAT.OPTION` and
-    /// value; what grows has so many `levels` of detail, looks in several `seasons` if any are named, and was
-    /// read from the `sources`.
+    /// value; what grows was read from the `sources`.
     pub fn open(
         &self,
         id: &str,
         command: &str,
         settings: &[(String, String)],
-        (levels, seasons): (usize, &[Season]),
+        files: Files<'_>,
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<Batch> {
-        let (batch, notes) = self.opened(id, command, settings, (levels, seasons), sources)?;
+        let (batch, notes) = self.opened(id, command, settings, files, sources)?;
         super::notes(&notes, &Progress::new());
         Ok(batch)
     }
@@ -82,9 +99,10 @@ impl Outputs {
         id: &str,
         command: &str,
         settings: &[(String, String)],
-        (levels, seasons): (usize, &[Season]),
+        files: Files<'_>,
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<(Batch, Vec<String>)> {
+        let Files { levels, seasons, ages } = files;
         let mut notes = Vec::new();
         let targets = self.targets(id, command)?;
         let profile = self.profile()?;
@@ -109,8 +127,11 @@ impl Outputs {
             if let Some(profile) = profile {
                 notes.extend(profile.unread(format, &options, levels));
             }
-            let in_seasons = Output::new(exporter, options, path).in_seasons(seasons);
-            outputs.extend(in_seasons.into_iter().flat_map(|output| output.in_levels(levels)));
+            let Some(in_ages) = Output::new(exporter, options, path).in_ages(ages) else {
+                return Err(usage("a stream holds one age: name a file, which becomes one for each age"));
+            };
+            let in_seasons = in_ages.into_iter().flat_map(|output| output.in_seasons(seasons));
+            outputs.extend(in_seasons.flat_map(|output| output.in_levels(levels)));
         }
         let folders = self.placing.folders(outputs.iter().map(|output| output.path.as_path()))?;
         let bundle = |output: &Output| self.placing.bundle(&output.path);
@@ -211,12 +232,29 @@ pub fn write(
     monitor: &dyn Monitor,
     progress: &Progress,
 ) -> anyhow::Result<()> {
+    write_age(batch, None, stage, monitor, progress)
+}
+
+/// The same with the files of one age of a plant.
+pub fn write_age(
+    batch: &mut Batch,
+    age: Option<&str>,
+    stage: &Stage<'_>,
+    monitor: &dyn Monitor,
+    progress: &Progress,
+) -> anyhow::Result<()> {
     let is_sole = batch.is_stdout_alone();
     for pipe in batch.unread_pipes() {
         super::notes(&[waiting(&pipe)], progress);
     }
-    let done = batch.write(stage, monitor, |notes| super::notes(notes, progress));
+    let done = batch.write_age(age, stage, monitor, |notes| super::notes(&of_age(age, notes), progress));
     done.map_err(if is_sole { as_sole_output } else { explained })
+}
+
+/// Notes, with the age that they are about before them.
+pub fn of_age(age: Option<&str>, notes: &[String]) -> Vec<String> {
+    let named = |note: &String| age.map_or_else(|| note.clone(), |age| format!("{age}: {note}"));
+    notes.iter().map(named).collect()
 }
 
 /// Puts all files in their places and lists them, unless a file itself is on standard output.

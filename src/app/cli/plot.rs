@@ -14,7 +14,7 @@ use linden::texture::DrawnPictures;
 use linden_exporters::make_folders;
 
 use super::crew::{Crew, Share, room_for_pictures};
-use super::outputs::Outputs;
+use super::outputs::{Files, Outputs};
 use super::placing::explained;
 use super::scene::SceneFlags;
 use crate::cache;
@@ -113,7 +113,7 @@ impl Plot<'_> {
     fn batch(&self, number: u32) -> anyhow::Result<(linden_exporters::Batch, Vec<String>)> {
         let levels = self.source.recipe.preset.dressing.detail.levels();
         let files = self.source.files.clone();
-        self.outputs.opened(&number.to_string(), "", self.of_formats, (levels, &[]), files)
+        self.outputs.opened(&number.to_string(), "", self.of_formats, Files::in_levels(levels), files)
     }
 
     fn tree(&self, number: u32, share: &Share<'_>, progress: &Progress) -> anyhow::Result<PlotTree> {

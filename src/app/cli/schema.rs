@@ -5,8 +5,8 @@ use clap::Args;
 use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{
-    BarkSettings, EDIT_OPERATION, EDITS, FileKey, KIND_NAME, KIND_NAME_HELP, KNOBS, LEAF_KNOBS, LeafKind,
-    MOST_KINDS, MOST_TAGS, Section,
+    AGES, BarkSettings, EDIT_OPERATION, EDITS, FileKey, KIND_NAME, KIND_NAME_HELP, KNOBS, LEAF_KNOBS,
+    LeafKind, MOST_AGES, MOST_KINDS, MOST_TAGS, Section,
 };
 use linden::report::{NUMBERS, Number};
 use linden::skeleton::edit::{EDIT_KNOBS, EDIT_PATHS, Edit, MOST_EDITS, Operation};
@@ -113,6 +113,7 @@ fn document() -> Value {
         properties.insert(section.key().to_owned(), table);
     }
     properties.insert(EDITS.to_owned(), edits());
+    properties.insert(AGES.to_owned(), ages());
     let one_of: Vec<Value> =
         generators::all().iter().map(|generator| json!({ "required": [generator.id()] })).collect();
     json!({
@@ -189,6 +190,25 @@ fn edits() -> Value {
         "items": { "oneOf": items },
         "maxItems": MOST_EDITS,
         "description": "edits of single axes of the grown tree, in their order",
+    })
+}
+
+/// Ages that have names: for each the knobs that it turns.
+fn ages() -> Value {
+    let knobs = KNOBS.iter().filter(|row| row.knob.name != "seed");
+    let keys: Map<String, Value> =
+        knobs.map(|row| (row.knob.name.to_owned(), of_drawn(&row.knob, row.section))).collect();
+    json!({
+        "type": "object",
+        "propertyNames": { "pattern": "^[a-z][a-z0-9_]{0,31}$", "not": { "const": "all" } },
+        "maxProperties": MOST_AGES,
+        "additionalProperties": {
+            "type": "object",
+            "properties": keys,
+            // Of further kinds of foliage, by what those are called.
+            "additionalProperties": { "type": "object" },
+        },
+        "description": "ages of the plant that have names, with the knobs that are turned then",
     })
 }
 

@@ -1,9 +1,11 @@
 //! `linden show`: what a source or a forest is, its knobs, its forecast.
 
+use std::collections::BTreeMap;
+
 use clap::Args;
 use clap::builder::ArgPredicate;
 use linden::knob::{Value, printable};
-use linden::preset::{LSystem, Preset, PresetKnob, Section};
+use linden::preset::{Age, LSystem, Preset, PresetKnob, Section};
 use linden::recipe::Recipe;
 use serde::Serialize;
 
@@ -69,6 +71,8 @@ struct ShownPreset<'a> {
     kinds: Vec<KindRow>,
     /// Of a grammar's `#define` lines; empty for what is no grammar.
     constants: Vec<ConstantRow>,
+    /// Those that it names, from the youngest to the oldest.
+    ages: Vec<AgeRow>,
     forecast: Option<ForecastRow>,
     recipe: serde_json::Value,
 }
@@ -80,6 +84,21 @@ struct ConstantRow {
     /// As it is written: a number, or an expression of constants before it.
     written: String,
     value: f64,
+}
+
+/// An age that has a name.
+#[derive(Serialize)]
+struct AgeRow {
+    name: String,
+    /// Knobs, and what they are turned to.
+    turns: BTreeMap<String, String>,
+}
+
+impl AgeRow {
+    fn of(age: &Age) -> Self {
+        let turns = age.turns().map(|(knob, to)| (knob.to_owned(), to)).collect();
+        Self { name: age.name.clone(), turns }
+    }
 }
 
 /// A further kind of foliage.
@@ -225,6 +244,7 @@ impl Show {
                 knobs,
                 kinds: kinds(preset),
                 constants: constants(preset),
+                ages: preset.ages().iter().map(AgeRow::of).collect(),
                 forecast,
                 recipe: serde_json::to_value(&source.recipe)?,
             });
@@ -281,6 +301,13 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
     }
     if let Some(forecast) = forecast {
         text.push_str(&forecast.lines());
+    }
+    if !preset.ages().is_empty() {
+        text.push_str("\nages (--ages NAME)\n");
+        for age in preset.ages() {
+            let turns: Vec<String> = age.turns().map(|(knob, to)| format!("{knob}={to}")).collect();
+            text.push_str(&format!("  {}: {}\n", age.name, turns.join(" ")));
+        }
     }
     if !preset.edits.is_empty() {
         text.push_str("\nedits of the wood\n");

@@ -10,9 +10,11 @@ use linden::surface::Junction;
 use serde::Serialize;
 
 use super::GrowArgs;
+use super::ages::aged;
 use crate::forecast::{Outlook, announce};
 use crate::numbers::line;
 use crate::progress::Progress;
+use crate::source::Source;
 
 /// Grow a source and measure it
 #[derive(Args)]
@@ -23,7 +25,12 @@ pub struct Stats {
     #[command(flatten)]
     budget: super::Budget,
 
-    /// Machine-readable; what does not apply is null
+    /// The plant at several ages, a column each: names that the source has for them ('linden show'), names with a share of
+    /// its growth like half=0.5, or years like 10y where it grows by them; all that it names when none is given
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all")]
+    ages: Option<String>,
+
+    /// Machine-readable; what does not apply is null. With --ages a list
     #[arg(long)]
     json: bool,
 }
@@ -32,6 +39,9 @@ pub struct Stats {
 #[derive(Serialize)]
 struct StatsReport {
     source: String,
+    /// The age that it is shown at, where several are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    age: Option<String>,
     seed: u64,
     generator: &'static str,
     #[serde(flatten)]
@@ -98,34 +108,46 @@ impl Stats {
         let progress = Progress::new();
         let settings: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
         let source = self.growing.resolve_with(&settings, &progress)?;
-        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+        let Some(list) = &self.ages else {
+            let stats = StatsReport::of(&source, None, &progress)?;
+            progress.clear();
+            return if self.json { super::print_json(&stats) } else { super::print(&stats.table()) };
+        };
+        let ages = aged(&source, list, &settings)?;
+        let all = ages
+            .iter()
+            .map(|(age, source)| StatsReport::of(source, Some(age.clone()), &progress))
+            .collect::<anyhow::Result<Vec<StatsReport>>>()?;
+        progress.clear();
+        if self.json { super::print_json(&all) } else { super::print(&columns(&all)) }
+    }
+}
+
+impl StatsReport {
+    /// Grows and measures.
+    fn of(source: &Source, age: Option<String>, progress: &Progress) -> anyhow::Result<Self> {
+        if let Some(outlook) = Outlook::of(&source.recipe, progress) {
             announce(outlook.stats_s(&source.recipe), &outlook.amount());
         }
         let started = Instant::now();
-        let grown = super::grown(&source, &progress)?;
+        let grown = super::grown(source, progress)?;
         let grow_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
         // Of the surface a piece at a time, and never the whole: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
-        let report = Report::of(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        let stats = StatsReport {
+        let report = Report::of(&source.recipe, &grown, progress).with_context(|| source.shown.clone())?;
+        Ok(Self {
             source: source.shown.clone(),
+            age,
             seed: source.recipe.preset.seed(),
             generator: source.recipe.preset.grows_by().id(),
             report,
             scan: grown.colonized.as_ref().and_then(Scan::of),
             is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
             seconds: Seconds { grow: grow_s, dress: started.elapsed().as_secs_f64() },
-        };
-        progress.clear();
-        if self.json {
-            return super::print_json(&stats);
-        }
-        super::print(&stats.table())
+        })
     }
-}
 
-impl StatsReport {
     /// A block of lines for each group.
     fn table(&self) -> String {
         let mut text = format!("{} (seed {}, {})\n", self.source, self.seed, self.generator);
@@ -150,6 +172,54 @@ impl StatsReport {
         }
         text
     }
+}
+
+/// Numbers of several ages side by side: those that are one number each.
+const SIDE_BY_SIDE: [&str; 13] = [
+    "height_m",
+    "dbh_m",
+    "base_diameter_m",
+    "crown_width_with_leaves_m",
+    "crown_base_m",
+    "wood_volume_m3",
+    "total_length_m",
+    "nodes",
+    "max_order",
+    "leaf_count",
+    "leaf_area_m2",
+    "leaf_area_index",
+    "triangles",
+];
+
+/// A line for each number, a column for each age.
+fn columns(all: &[StatsReport]) -> String {
+    let Some(first) = all.first() else { return String::new() };
+    let mut text = format!("{} (seed {}, {})\n\n", first.source, first.seed, first.generator);
+    let heading =
+        std::iter::once((String::new(), all.iter().map(|stats| stats.age.clone().unwrap_or_default())));
+    let mut rows: Vec<(String, Vec<String>)> = heading.map(|(label, ages)| (label, ages.collect())).collect();
+    for number in SIDE_BY_SIDE.iter().filter_map(|name| NUMBERS.iter().find(|number| number.name == *name)) {
+        let value = |stats: &StatsReport| line(number, &stats.report, false).map(|(_, value)| value);
+        let values: Vec<Option<String>> = all.iter().map(value).collect();
+        if values.iter().any(Option::is_some) {
+            let label = format!("{} {}", number.group.name(), number.label);
+            rows.push((
+                label,
+                values.into_iter().map(|value| value.unwrap_or_else(|| "-".to_owned())).collect(),
+            ));
+        }
+    }
+    let seconds = |stats: &StatsReport| format!("{:.3} s", stats.seconds.grow);
+    rows.push(("time to grow".to_owned(), all.iter().map(seconds).collect()));
+    let width =
+        |column: usize| rows.iter().map(|(_, values)| values[column].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..all.len()).map(width).collect();
+    let label_width = rows.iter().map(|(label, _)| label.chars().count()).max().unwrap_or(0);
+    for (label, values) in &rows {
+        let cells = values.iter().zip(&widths).map(|(value, width)| format!("  {value:>width$}"));
+        text.push_str(&format!("  {label:label_width$}{}\n", cells.collect::<String>()));
+    }
+    text
 }
 
 impl Scan {
