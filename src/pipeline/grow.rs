@@ -11,7 +11,7 @@ use linden_plant::foliage::{self, FoliageError, Organs};
 use linden_skeleton::edit::{AxisPath, AxisPaths, Edit, EditError, Edited, Operation, Origins, Remark, edit};
 use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
-use linden_skeleton::{AxisRule, NO_PARENT, RadiusSource, Skeleton, SkeletonError, Wood};
+use linden_skeleton::{AxisRule, Girth, NO_PARENT, RadiusSource, Skeleton, SkeletonError, Wood};
 
 use crate::preset::{Form, Preset};
 use crate::provenance::TreeHash;
@@ -240,6 +240,31 @@ impl GrowError {
 /// # Errors
 /// [`GrowError`]: limits, contradictions, nothing in reach, cancelled.
 pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
+    let girth = || whole_girth(recipe, monitor);
+    grow_as(recipe, &girth, monitor)
+}
+
+/// What the thickness of a recipe's whole tree goes by, where the recipe is of a younger one whose thickness follows from
+/// that: the whole one is grown to find it out.
+///
+/// # Errors
+/// As [`grow`].
+pub fn whole_girth(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Option<Girth>, GrowError> {
+    let Preset { generator, wood, .. } = &recipe.preset;
+    let Some(whole) = generator.whole().filter(|_| wood.base_radius_m.is_some()) else { return Ok(None) };
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.bytes());
+    Ok(Some(Girth::of(&whole.grow(&recipe.task(), monitor)?.branching)))
+}
+
+/// The same as [`grow`] for who knows [`whole_girth`] already, of this recipe or of the same tree at another age.
+///
+/// # Errors
+/// As [`grow`], and those of `girth`.
+pub fn grow_as(
+    recipe: &Recipe,
+    girth: &dyn Fn() -> Result<Option<Girth>, GrowError>,
+    monitor: &dyn Monitor,
+) -> Result<Grown, GrowError> {
     recipe.check_inputs()?;
     let Preset { generator, wood, .. } = &recipe.preset;
     if let (Some(base_m), Some(tip_m)) = (wood.base_radius_m, wood.tip_radius_m)
@@ -248,7 +273,9 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
         return Err(GrowError::Radii { base_m, tip_m });
     }
     let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.bytes());
+    let whole = if generator.whole().is_some() { girth()? } else { None };
     let mut branched = generator.grow(&recipe.task(), monitor)?;
+    let wood = whole.map_or(*wood, |whole| wood.when_young(&whole, &Girth::of(&branched.branching)));
     let colonized = branched.colonized.take();
     let measured = branched.measured.as_ref().map_or(0, |measured| measured.bytes());
     let held = branched.organs.bytes() + measured + colonized.as_ref().map_or(0, Colonized::bytes);
@@ -256,7 +283,8 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     if let Some(measured) = &branched.measured {
         measured.admit(&branched.branching, monitor)?;
     }
-    let Built { skeleton, wood, organs, measured_nodes } = build(&mut branched, &recipe.preset, monitor)?;
+    let Built { skeleton, wood, organs, measured_nodes } =
+        build(&mut branched, &recipe.preset, &wood, monitor)?;
     let scan = match &branched.measured {
         Some(measured) => measured.fit(&skeleton, monitor)?.map(|fit| Scanned {
             points: measured.count(),
@@ -479,7 +507,12 @@ fn trunk_note(skeleton: &Skeleton) -> Option<String> {
 
 /// What all generators' branchings go through: refinement, which takes the organs along, then axes
 /// and radii.
-fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Result<Built, GrowError> {
+fn build(
+    branched: &mut Branched,
+    preset: &Preset,
+    wood: &Wood,
+    monitor: &dyn Monitor,
+) -> Result<Built, GrowError> {
     let mut branching = std::mem::take(&mut branched.branching);
     let mut organs = std::mem::take(&mut branched.organs);
     if preset.wood.axes == AxisRule::Thickest {
@@ -491,7 +524,7 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
             most_nodes: branched.most_nodes,
             is_barred: &is_barred,
             key: preset.wood_key(),
-            wood: preset.wood,
+            wood: *wood,
         };
         branching.validate()?;
         let used = branched.used.take();
@@ -501,12 +534,12 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
     }
     let mut fits = Vec::new();
     if let Some(measured) = &branched.measured
-        && let Some(found) = measured.measure(&mut branching, &preset.wood, monitor)?
+        && let Some(found) = measured.measure(&mut branching, wood, monitor)?
     {
         fits = found;
     }
-    branching.admit_build(&preset.wood, monitor)?;
-    let wood = preset.wood.settled(branching.radii.is_some(), branching.edges.is_some());
+    branching.admit_build(wood, monitor)?;
+    let wood = wood.settled(branching.radii.is_some(), branching.edges.is_some());
     let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
     let measured_nodes = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
     skeleton.fits = fits;

@@ -242,6 +242,11 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         None
     }
 
+    /// The settings of the whole tree, where these are of a younger one that is grown anew.
+    fn whole(&self) -> Option<Box<dyn Settings>> {
+        None
+    }
+
     /// Leaves the tree where its input has it, unless it was told to stand elsewhere. The place of its root
     /// where it has no such input.
     fn stay(&mut self) -> Option<[f64; 3]> {

@@ -35,7 +35,7 @@ pub use marks::{Marks, Tips};
 pub use measure::{BREAST_HEIGHT_M, Measures};
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
-pub use radii::{AxisRule, Span, Width, WidthSteps, Wood};
+pub use radii::{AxisRule, Girth, Span, Width, WidthSteps, Wood};
 pub use side::{AxisKind, SideWood};
 pub use topology::{BranchingAngle, Children, Streams, ratio_of_orders};
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use linden::grow::{GrowError, grow};
+use linden::grow::{GrowError, grow_as};
 use linden::lsystem::{LSystem, LsystemError, Traced, TracedModule, TurtleSettings, trace};
 use linden::monitor::Holding;
 use linden::recipe::Recipe;
@@ -119,7 +119,8 @@ fn drawn(request: &WordRequest, holding: &Holding<'_>) -> Result<Option<Plant>, 
     }
     recipe.preset.refinement = Refinement::default();
     recipe.preset.edits.clear();
-    match grow(&recipe, holding) {
+    // As thick as a whole tree: that may be one that nobody could grow.
+    match grow_as(&recipe, &|| Ok(None), holding) {
         Ok(grown) => Ok(Some(Plant { organs: Arc::clone(&grown.given), ..Plant::from(&grown) })),
         Err(GrowError::Cancelled(_)) => Err(None),
         Err(GrowError::Skeleton(SkeletonError::Empty)) => Ok(None),

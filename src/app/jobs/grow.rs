@@ -1,15 +1,17 @@
 //! Grows the tree on screen.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use linden::Skeleton;
 use linden::foliage::{FoliageError, Organs};
-use linden::grow::{GrowError, Grown, Obstruction, grow, obstructions, outline, reedit, sprout};
+use linden::grow::{
+    GrowError, Grown, Obstruction, grow, grow_as, obstructions, outline, reedit, sprout, whole_girth,
+};
 use linden::monitor::Holding;
 use linden::recipe::Recipe;
-use linden::skeleton::{Measures, SkeletonError};
+use linden::skeleton::{Girth, Measures, SkeletonError};
 use linden_raster::Extent;
 
 use super::Watcher;
@@ -66,6 +68,8 @@ pub struct ShownTree {
     pub obstructions: Arc<Vec<Obstruction>>,
     /// The last derivation or iteration.
     pub steps: u32,
+    /// What younger trees of it are as thick as, once one was grown.
+    girth: OnceLock<Option<Girth>>,
     /// How long it took to grow.
     pub took: Duration,
 }
@@ -149,6 +153,7 @@ fn grown_from(
         obstructions,
         steps: skeleton.births.iter().copied().max().unwrap_or(0),
         grown,
+        girth: OnceLock::new(),
         took,
     }))
 }
@@ -177,7 +182,14 @@ pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Opti
         return Ok(Some(Plant { skeleton: Arc::new(young), organs, given: Arc::default() }));
     };
     recipe.preset.generator = derived;
-    match grow(&recipe, &holding) {
+    let girth = || match shown.girth.get() {
+        Some(known) => Ok(*known),
+        None => {
+            let found = whole_girth(&recipe, &holding)?;
+            Ok(*shown.girth.get_or_init(|| found))
+        }
+    };
+    match grow_as(&recipe, &girth, &holding) {
         Ok(grown) => Ok(Some(Plant::from(&grown))),
         Err(GrowError::Cancelled(_)) => Err(None),
         Err(GrowError::Skeleton(SkeletonError::Empty)) => Ok(None),

@@ -159,7 +159,18 @@ impl Settings for LSystem {
     }
 
     fn at_step(&self, derivations: u32) -> Option<Box<dyn Settings>> {
-        Some(Box::new(Self { derivations, age: 1.0, ..self.clone() }))
+        // What is not drawn yet has no age, and no tree is older than it is whole.
+        let (derivations, age) = if (1..self.derivations).contains(&derivations) {
+            (self.derivations, f64::from(derivations) / f64::from(self.derivations))
+        } else {
+            (derivations, 1.0)
+        };
+        Some(Box::new(Self { derivations, age, ..self.clone() }))
+    }
+
+    fn whole(&self) -> Option<Box<dyn Settings>> {
+        (self.derivations_grown() < self.derivations)
+            .then(|| Box::new(Self { age: 1.0, ..self.clone() }) as _)
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {

@@ -97,7 +97,17 @@ impl Settings for SelfOrganizing {
     }
 
     fn at_step(&self, years: u32) -> Option<Box<dyn Settings>> {
-        Some(Box::new(Self { years: years.max(1), age: 1.0, ..self.clone() }))
+        let years = years.max(1);
+        let (years, age) = if years < self.years {
+            (self.years, f64::from(years) / f64::from(self.years))
+        } else {
+            (years, 1.0)
+        };
+        Some(Box::new(Self { years, age, ..self.clone() }))
+    }
+
+    fn whole(&self) -> Option<Box<dyn Settings>> {
+        (self.years_grown() < self.years).then(|| Box::new(Self { age: 1.0, ..self.clone() }) as _)
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {

@@ -122,6 +122,10 @@ impl Settings for WeberPenn {
         Some(Box::new(Self { age: (self.age * reached).clamp(0.0, 1.0), ..self.clone() }))
     }
 
+    fn whole(&self) -> Option<Box<dyn Settings>> {
+        (self.age < 1.0).then(|| Box::new(Self { age: 1.0, ..self.clone() }) as _)
+    }
+
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {
         self.max_nodes = self.max_nodes.min(size.nodes);
         Ok(false)

@@ -229,7 +229,8 @@ impl Age {
     ///
     /// ```
     /// let birch = linden_pipeline::preset::builtin("silver-birch")?.load()?;
-    /// let turns: Vec<_> = birch.ages_of("half=0.5")?[0].turns().collect();
+    /// let ages = birch.ages_of("half=0.5")?;
+    /// let turns: Vec<_> = ages[0].turns().collect();
     /// assert_eq!(turns, [("age", "0.5".to_owned())]);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -4,7 +4,8 @@
 //! Wood never thickens from a parent to its child, but where a generator gave the radii.
 
 pub(super) mod by_axis;
-pub(super) mod given;
+mod girth;
+mod given;
 pub(super) mod pipe;
 
 use std::cmp::Ordering;
@@ -17,6 +18,8 @@ use super::axes::decompose;
 use super::{Axis, Branching, Edge, Skeleton};
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
+
+pub use self::girth::Girth;
 
 linden_base::words! {
     /// Which rule decides the radii.
