@@ -1,5 +1,6 @@
-//! `--ages`: a source as a plant at several ages.
+//! `--age` and `--ages`: a source as a plant at one age, or at several.
 
+use linden::knob::printable;
 use linden::preset::Age;
 
 use crate::exit::usage;
@@ -7,6 +8,21 @@ use crate::source::{Source, is_file_key};
 
 /// Knobs that say how old a plant is: `--ages` turns them.
 const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
+
+/// The source at the one age that `--age` names.
+///
+/// # Errors
+/// As [`aged`]; several.
+pub fn at(source: Source, age: &str, turned: &[(String, String)]) -> anyhow::Result<Source> {
+    // A share by itself needs no name where there is no file to name.
+    let age = age.trim();
+    let list = if age.parse::<f64>().is_ok() { format!("at={age}") } else { age.to_owned() };
+    let mut ages = of_flag(&source, "--age", &list, turned)?;
+    match ages.pop() {
+        Some((_, aged)) if ages.is_empty() => Ok(aged),
+        _ => Err(usage(format!("--age {}: expected one age; --ages takes several", printable(age)))),
+    }
+}
 
 /// The ages that `--ages` names, with the source at each. What else was turned by hand holds at all of them.
 ///
@@ -17,11 +33,20 @@ pub fn aged(
     list: &str,
     turned: &[(String, String)],
 ) -> anyhow::Result<Vec<(String, Source)>> {
+    of_flag(source, "--ages", list, turned)
+}
+
+fn of_flag(
+    source: &Source,
+    flag: &str,
+    list: &str,
+    turned: &[(String, String)],
+) -> anyhow::Result<Vec<(String, Source)>> {
     if let Some((knob, value)) = turned.iter().find(|(name, _)| OF_AGE.contains(&name.as_str())) {
-        return Err(usage(format!("--set {knob}={value} and --ages both say how old it is: leave one out")));
+        return Err(usage(format!("--set {knob}={value} and {flag} both say how old it is: leave one out")));
     }
     let preset = &source.recipe.preset;
-    let ages = preset.ages_of(list).map_err(|error| usage(format!("--ages: {error}")))?;
+    let ages = preset.ages_of(list).map_err(|error| usage(format!("{flag}: {error}")))?;
     let at = |age: &Age| {
         let mut aged = source.clone();
         aged.recipe.preset = preset.at_age(age)?;

@@ -121,6 +121,7 @@ impl Cite {
         {
             self.growing.without_defines("a forest has several trees")?;
             self.growing.without_edits("a forest has several trees")?;
+            self.growing.without_age("a forest has several trees")?;
             let source = described.shown();
             let mut forest = resolved(described, progress)?;
             for (name, value) in self.growing.pairs()? {
@@ -159,11 +160,12 @@ impl Cite {
 
     /// The command line that does something else with the same source.
     fn command(&self, command: &str) -> String {
-        let GrowArgs { source, settings, defines, edits, seed } = &self.growing;
+        let GrowArgs { source, settings, defines, edits, age, seed } = &self.growing;
         let mut words = vec!["linden".to_owned(), command.to_owned(), crate::paths::show(source)];
         for (flag, pairs) in [("--set", settings), ("--define", defines), ("--edit", edits)] {
             words.extend(pairs.iter().flat_map(|pair| [flag.to_owned(), printable(pair)]));
         }
+        words.extend(age.iter().flat_map(|age| ["--age".to_owned(), printable(age)]));
         words.extend(seed.iter().flat_map(|seed| ["--seed".to_owned(), seed.to_string()]));
         shell_words::join(words)
     }

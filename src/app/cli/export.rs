@@ -121,6 +121,7 @@ impl Export {
             }
             self.growing.without_defines("export each by itself")?;
             self.growing.without_edits("export each by itself")?;
+            self.growing.without_age("export each by itself")?;
             if self.ages.is_some() {
                 return Err(usage("--ages is for one source: export each by itself"));
             }
@@ -145,7 +146,10 @@ impl Export {
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
         let ages = match &self.ages {
-            Some(list) => aged(&source, list, &settings)?,
+            Some(list) => {
+                self.growing.without_age("name all of them with --ages")?;
+                aged(&source, list, &settings)?
+            }
             None => Vec::new(),
         };
         if self.timings && !ages.is_empty() {

@@ -169,6 +169,11 @@ struct GrowArgs {
     #[arg(long = "edit", value_name = "EDIT")]
     edits: Vec<String>,
 
+    /// The plant at an age: a name that the source has for one ('linden show'), a share of its growth like 0.3, or years
+    /// like 10y where it grows by them
+    #[arg(long, value_name = "AGE")]
+    age: Option<String>,
+
     /// The root of all random choices; the same as --set seed=N
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     seed: Option<u64>,
@@ -215,6 +220,9 @@ impl GrowArgs {
     ) -> anyhow::Result<Source> {
         let mut source = source::resolve(&self.source, pairs, progress)?;
         define(&mut source, &self.defines)?;
+        if let Some(age) = &self.age {
+            source = ages::at(source, age, pairs)?;
+        }
         for edit in &self.edits {
             source.recipe.preset.edit(edit).map_err(exit::usage)?;
         }
@@ -237,6 +245,14 @@ impl GrowArgs {
             return Ok(());
         }
         Err(exit::usage(format!("--define is for one tree of a grammar; {instead}")))
+    }
+
+    /// Refuses `--age` where there is no one tree, or several ages.
+    fn without_age(&self, instead: &str) -> anyhow::Result<()> {
+        if self.age.is_none() {
+            return Ok(());
+        }
+        Err(exit::usage(format!("--age is for one tree at one age; {instead}")))
     }
 
     /// Refuses `--edit` where there is no one tree.

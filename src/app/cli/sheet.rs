@@ -7,6 +7,7 @@ use clap::{Args, ValueEnum};
 use linden::monitor::Holding;
 use linden::preset::builtins;
 
+use super::ages::aged;
 use super::placing::{PictureTarget, Placing};
 use super::preview::size;
 use crate::exit::usage;
@@ -43,6 +44,12 @@ pub struct Sheet {
     /// not said as its knobs have it, or 4
     #[arg(long, value_name = "N|LIST", num_args = 0..=1, default_missing_value = "")]
     lods: Option<String>,
+
+    /// Each tree at several ages, a row each where no number of columns is given: names that the source has for them ('linden
+    /// show'), names with a share of its growth like half=0.5, or years like 10y where it grows by them; all that it
+    /// names when none is given
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", conflicts_with = "lods")]
+    ages: Option<String>,
 
     /// Turn a knob of every tree; may be given several times
     #[arg(long = "set", short, value_name = "KNOB=VALUE", add = super::complete::settings())]
@@ -86,7 +93,7 @@ impl Sheet {
         let sources = self.sources()?;
         let mut settings = super::pairs(&self.settings)?;
         settings.extend(self.lods.as_deref().filter(|text| !text.is_empty()).map(super::lods));
-        let mut trees = Vec::with_capacity(sources.len());
+        let (mut trees, mut columns) = (Vec::with_capacity(sources.len()), self.columns);
         for path in &sources {
             let mut source = source::resolve(path, &settings, &progress)?;
             super::define(&mut source, &self.defines)?;
@@ -95,7 +102,17 @@ impl Sheet {
             if self.lods.is_some() {
                 in_levels(&mut source.recipe);
             }
-            trees.push(source);
+            let Some(list) = &self.ages else {
+                trees.push(source);
+                continue;
+            };
+            let ages = aged(&source, list, &settings).with_context(|| source.shown.clone())?;
+            columns = columns.or(u32::try_from(ages.len()).ok());
+            for (age, mut source) in ages {
+                source.recipe.preset.name =
+                    format!("{}, {}", source.recipe.preset.name, age.replace('_', " "));
+                trees.push(source);
+            }
         }
         // A tree with fewer levels than another leaves the rest of its places empty.
         let levels =
@@ -104,12 +121,12 @@ impl Sheet {
             seeds: self.seeds,
             lods: self.lods.is_some(),
             size: self.size,
-            columns: self.columns,
+            columns,
             look: self.look,
             names: self.labels == Labels::Names,
         };
         let (width, height) = self.size;
-        let mut sheet = SheetDrawing::new(plan, sources.len(), levels)?;
+        let mut sheet = SheetDrawing::new(plan, trees.len(), levels)?;
         let (levels, count) = (sheet.levels(), sheet.count());
         target.admit(sheet.size(), 0, &progress)?;
         let holding = Holding::new(&progress, sheet.bytes());

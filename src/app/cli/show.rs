@@ -175,6 +175,7 @@ impl Show {
         {
             self.growing.without_defines("a forest has several trees")?;
             self.growing.without_edits("a forest has several trees")?;
+            self.growing.without_age("a forest has several trees")?;
             if self.axes {
                 return Err(usage("--axes is for one tree, and a forest has several"));
             }

@@ -113,6 +113,7 @@ impl Stats {
             progress.clear();
             return if self.json { super::print_json(&stats) } else { super::print(&stats.table()) };
         };
+        self.growing.without_age("name all of them with --ages")?;
         let ages = aged(&source, list, &settings)?;
         let all = ages
             .iter()

@@ -58,6 +58,7 @@ impl Open {
     pub fn run(self) -> anyhow::Result<()> {
         self.growing.without_defines("in the workbench edit the grammar itself")?;
         self.growing.without_edits("give the preset's document an [[edit]] and open that")?;
+        self.growing.without_age("turn the knob age there")?;
         let set = self.growing.pairs()?;
         source::ensure_there(&self.growing.source)?;
         self.terminal.open(Some(self.growing.source), set)

@@ -75,6 +75,7 @@ impl Preview {
     fn refuse_for_a_forest(&self) -> anyhow::Result<()> {
         self.growing.without_defines("a forest has several trees")?;
         self.growing.without_edits("a forest has several trees")?;
+        self.growing.without_age("a forest has several trees")?;
         let given = [
             (self.look.is_some_and(|look| look != PreviewLook::Surface), "--look"),
             (self.color.is_some(), "--color"),
