@@ -193,8 +193,8 @@ mod tests {
     fn formats_write_the_same_of_what_they_want_alone() {
         let cases: [(&str, &[(&str, &str)]); 4] = [
             ("dressed-fir", &[]),
-            ("oak", &[("points", "400"), ("triangles", "3000"), ("leaf_size", "64"), ("bark_size", "64")]),
-            ("oak", &[("points", "300"), ("lods", "2"), ("billboard", "2"), ("wind", "attributes")]),
+            ("drawn-oak", &[("points", "400"), ("triangles", "3000"), ("leaf_size", "64"), ("bark_size", "64")]),
+            ("drawn-oak", &[("points", "300"), ("lods", "2"), ("billboard", "2"), ("wind", "attributes")]),
             ("abop-f", &[]),
         ];
         let mut less = 0;

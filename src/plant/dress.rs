@@ -561,7 +561,7 @@ mod tests {
     #[test]
     fn what_is_drawn_ahead_is_not_drawn_again() {
         let subject = Subject::builtin(
-            "oak",
+            "drawn-oak",
             &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05"), ("moss", "0.5")],
         );
         let grown = subject.grow();
@@ -588,7 +588,7 @@ mod tests {
     fn dead_twigs_are_bare_and_shoots_have_leaves() {
         let small = [("points", "300"), ("leaf_size", "64"), ("bark_size", "64")];
         let of = |knobs: &[(&str, &str)]| {
-            let subject = Subject::builtin("oak", &[&small[..], knobs].concat());
+            let subject = Subject::builtin("drawn-oak", &[&small[..], knobs].concat());
             let grown = subject.grow();
             let scene = subject.dress(&grown);
             (grown, scene)
@@ -627,7 +627,7 @@ mod tests {
     #[test]
     fn what_nobody_wants_is_not_made() {
         let subject =
-            Subject::builtin("oak", &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05")]);
+            Subject::builtin("drawn-oak", &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05")]);
         let grown = subject.grow();
         subject.with(|specimen| {
             let specimen = Specimen { wanted: Wanted::SKELETON, ..*specimen };

@@ -153,7 +153,7 @@ mod tests {
     /// Area of what has each step, by step, and the mean normal of what has any.
     fn mossy(knobs: &[(&str, &str)]) -> ([f32; 4], Vec3) {
         let all = [&[("points", "400"), ("bark_size", "64"), ("leaf_size", "32")], knobs].concat();
-        let subject = Subject::builtin("oak", &all);
+        let subject = Subject::builtin("drawn-oak", &all);
         let scene = subject.dress(&subject.grow());
         let (mut areas, mut facing) = ([0.0; 4], Vec3::ZERO);
         for part in scene.parts.iter().filter(|part| part.name.starts_with("wood")) {
@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn thin_wood_and_the_undersides_of_limbs_have_none() {
         let subject = Subject::builtin(
-            "oak",
+            "drawn-oak",
             &[
                 ("points", "400"),
                 ("bark_size", "64"),

@@ -21,7 +21,7 @@ const TURNED: [(&str, &[(&str, &str)]); 12] = [
     ("wild-cherry", &[("seed", "31"), ("derivations", "14")]),
     ("fir", &[("points", "200000")]),
     ("sphere", &[("points", "1000000"), ("sides", "3")]),
-    ("oak", &[("points", "60000"), ("seed", "5")]),
+    ("drawn-oak", &[("points", "60000"), ("seed", "5")]),
     ("oak", &[("sides", "64"), ("rings", "4")]),
     ("oak", &[("bark_size", "2048"), ("leaf_size", "2048")]),
     ("oak", &[("lods", "4"), ("billboard", "2")]),

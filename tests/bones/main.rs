@@ -219,7 +219,7 @@ fn gap(by_joints: &BTreeMap<String, Moved>, by_targets: &BTreeMap<String, Moved>
 fn joints_go_where_the_morph_targets_go() {
     let dir = tempfile::tempdir().unwrap();
     let cases: [(&str, &[(&str, &str)]); 4] =
-        [("oak", &[("points", "700")]), ("weeping-willow", &[]), ("norway-spruce", &[]), ("abop-f", &[])];
+        [("drawn-oak", &[("points", "700")]), ("weeping-willow", &[]), ("norway-spruce", &[]), ("abop-f", &[])];
     for (id, knobs) in cases {
         let recipe = recipe(id, knobs);
         let grown = grow(&recipe, &Quiet).unwrap();
@@ -290,7 +290,7 @@ fn levels_share_joints_and_many_trees_have_their_own() {
 #[test]
 fn the_same_joints_on_any_number_of_threads() {
     let dir = tempfile::tempdir().unwrap();
-    let recipe = recipe("oak", &[("points", "300"), ("wind", "bones")]);
+    let recipe = recipe("drawn-oak", &[("points", "300"), ("wind", "bones")]);
     let written = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {

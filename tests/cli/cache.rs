@@ -11,7 +11,7 @@ use crate::program::{Folder, Said, linden};
 /// Small pictures of every kind: bark, moss, leaves, branch cards, a billboard.
 const EXPORT: [&str; 11] = [
     "export",
-    "oak",
+    "drawn-oak",
     "--format=glb,usdz",
     "--set=points=300",
     "--set=bark_size=64",

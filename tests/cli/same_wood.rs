@@ -7,7 +7,7 @@ use crate::program::{Folder, linden};
 const PLANTS: [(&str, &str); 4] = [
     ("weeping-birch", "lsystem"),
     ("dressed-honda-a", "lsystem"),
-    ("oak", "colonization"),
+    ("drawn-oak", "colonization"),
     ("dressed-fir", "colonization"),
 ];
 

@@ -94,7 +94,7 @@ fn larger_trees_are_forecast_from_a_sample() {
         ("hollow", &[("points", "50000"), ("seed", "3")]),
         ("grove", &[("points", "40000")]),
         ("around-the-stone", &[("points", "30000")]),
-        ("oak", &[("seed", "5"), ("points", "40000")]),
+        ("drawn-oak", &[("seed", "5"), ("points", "40000")]),
         ("oak", &[("sides", "64"), ("rings", "4")]),
         ("drawn-beech", &[("points", "50000"), ("leaves_per_m", "90")]),
         ("drawn-linden", &[("points", "3000"), ("seed", "8")]),

@@ -43,7 +43,7 @@ const fn subject(preset: &'static str, seed: u64, purpose: Use) -> Subject {
 const SUBJECTS: [Subject; 10] = [
     subject("simple", 6, Use::Tuning),
     subject("fir", 5, Use::Tuning),
-    subject("oak", 1, Use::Tuning),
+    subject("drawn-oak", 1, Use::Tuning),
     subject("drawn-ash", 2, Use::Tuning),
     subject("sphere", 11, Use::Judging),
     subject("cylinder", 12, Use::Judging),

@@ -30,7 +30,7 @@ fn grown(preset: &Preset) -> Grown {
 fn trees() -> Vec<(&'static str, Grown)> {
     let bare = ("leaf_form", "none");
     [
-        ("oak", &[("points", "900"), bare][..]),
+        ("drawn-oak", &[("points", "900"), bare][..]),
         ("fir", &[("points", "500"), bare]),
         ("bush-3d", &[("derivations", "4")]),
         ("abop-honda-a", &[("derivations", "6")]),
@@ -396,7 +396,7 @@ fn what_cannot_be_made_is_said() {
 
 #[test]
 fn edits_survive_other_knobs_and_say_where_not() {
-    let mut oak = preset("oak", &[("points", "900"), ("leaf_form", "none")]);
+    let mut oak = preset("drawn-oak", &[("points", "900"), ("leaf_form", "none")]);
     let tree = grown(&oak);
     let paths = tree.axis_paths();
     let (axis, path) = limb(&tree);
@@ -446,7 +446,7 @@ fn edits_survive_other_knobs_and_say_where_not() {
 
 #[test]
 fn leaves_of_other_branches_stay_and_threads_change_nothing() {
-    let mut oak = preset("oak", &[("points", "700"), ("leaves_per_m", "8")]);
+    let mut oak = preset("drawn-oak", &[("points", "700"), ("leaves_per_m", "8")]);
     let tree = grown(&oak);
     let (axis, path) = limb(&tree);
     let gone = borne(&tree.skeleton, axis);
@@ -469,7 +469,7 @@ fn leaves_of_other_branches_stay_and_threads_change_nothing() {
 
 #[test]
 fn a_young_edited_tree_is_the_young_tree_edited() {
-    let mut oak = preset("oak", &[("points", "700"), ("leaf_form", "none")]);
+    let mut oak = preset("drawn-oak", &[("points", "700"), ("leaf_form", "none")]);
     let tree = grown(&oak);
     let (axis, path) = limb(&tree);
     let gone = borne(&tree.skeleton, axis);

@@ -318,7 +318,7 @@ mod tests {
 
     #[test]
     fn turning_a_knob_changes_its_line_alone() {
-        let oak = builtins().iter().find(|builtin| builtin.id == "oak").unwrap();
+        let oak = builtins().iter().find(|builtin| builtin.id == "drawn-oak").unwrap();
         let mut preset = oak.load().unwrap();
         for (knob, value) in
             [("base_radius", "0.5"), ("points", "9000"), ("seed", "7"), ("wind_strength", "0.9")]
@@ -344,7 +344,7 @@ mod tests {
 
     #[test]
     fn parts_and_kinds_are_changed_in_place_added_and_taken_out() {
-        let oak = builtins().iter().find(|builtin| builtin.id == "oak").unwrap();
+        let oak = builtins().iter().find(|builtin| builtin.id == "drawn-oak").unwrap();
         let mut preset = oak.load().unwrap();
         let colonization = preset.settings_mut::<Colonization>().unwrap();
         colonization.parts[1].turn_deg = 30.0;
