@@ -22,6 +22,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &usda::Usdc,
     &usda::Usdz,
     &qsm::Qsm,
+    &qsm::Mat,
     &mtg::Mtg,
     &organs::Organs,
     &stl::Stl,

@@ -70,12 +70,12 @@ pub(super) struct Taken {
 
 /// One tree's cylinders, with what the dialects say of them besides.
 pub(super) struct Sheet {
-    cylinders: Vec<Cylinder>,
-    orders: Vec<u32>,
+    pub cylinders: Vec<Cylinder>,
+    pub orders: Vec<u32>,
     /// Where each ends.
     ends: Vec<[f32; 3]>,
     /// The next of its axis.
-    extensions: Vec<Option<u32>>,
+    pub extensions: Vec<Option<u32>>,
     /// The run between forks that each is of, from 0 in the order of the first cylinders.
     segments: Vec<u32>,
     /// The first and the middle cylinder of each run.
@@ -86,7 +86,7 @@ pub(super) struct Sheet {
     reverse: Vec<[u32; 2]>,
 }
 
-fn z_up(p: [f32; 3]) -> [f32; 3] {
+pub(super) fn z_up(p: [f32; 3]) -> [f32; 3] {
     // No zero below zero.
     [p[0] + 0.0, 0.0 - p[2], p[1] + 0.0]
 }

@@ -18,6 +18,7 @@
 //! Without the crate csv: its fields are numbers, which need no quotes, and [`records`] formats them on all cores.
 
 mod dialects;
+mod mat;
 
 use std::io;
 
@@ -27,6 +28,8 @@ use linden_pipeline::memory::bytes_of;
 use linden_pipeline::scene::Scene;
 use linden_pipeline::skeleton::{Cylinder, Forks, RadiusFit};
 use linden_pipeline::stage::{Place, Stage};
+
+pub(crate) use self::mat::Mat;
 
 use self::dialects::{Dialect, Sheet, Taken, WORDS};
 use crate::options::{OptionSpec, Options};

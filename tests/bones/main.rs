@@ -218,8 +218,12 @@ fn gap(by_joints: &BTreeMap<String, Moved>, by_targets: &BTreeMap<String, Moved>
 #[test]
 fn joints_go_where_the_morph_targets_go() {
     let dir = tempfile::tempdir().unwrap();
-    let cases: [(&str, &[(&str, &str)]); 4] =
-        [("drawn-oak", &[("points", "700")]), ("weeping-willow", &[]), ("norway-spruce", &[]), ("abop-f", &[])];
+    let cases: [(&str, &[(&str, &str)]); 4] = [
+        ("drawn-oak", &[("points", "700")]),
+        ("weeping-willow", &[]),
+        ("norway-spruce", &[]),
+        ("abop-f", &[]),
+    ];
     for (id, knobs) in cases {
         let recipe = recipe(id, knobs);
         let grown = grow(&recipe, &Quiet).unwrap();

@@ -212,7 +212,7 @@ fn mistakes_are_told_before_anything_grows() {
             "more than 10000000",
         ),
         ("formats = [\"gbl\"]\n[[trees]]\nsource = \"oak\"\n", "glb"),
-        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { pionts = 3 }\n", "points"),
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"fir\"\nset = { pionts = 3 }\n", "points"),
         (
             "formats = [\"glb\"]\noptions = { \"obj.x\" = 1 }\n[[trees]]\nsource = \"oak\"\n",
             "no format that is written",

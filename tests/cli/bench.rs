@@ -41,7 +41,7 @@ fn a_table_is_for_people_and_mistakes_are_told_before_anything_grows() {
     assert!(head.contains("trees/h") && row.starts_with("abop-a "), "{said}");
     for (args, expected) in [
         (&["oka"][..], "oak"),
-        (&["oak", "--set", "pionts=3"], "points"),
+        (&["fir", "--set", "pionts=3"], "points"),
         (&["oak", "--set", "points"], "KNOB=VALUE"),
         (&["oak", "--format", "gbl"], "glb"),
         (&["oak", "--seconds=-1"], "seconds"),

@@ -8,8 +8,18 @@ use serde_json::Value;
 use crate::program::Folder;
 
 /// A pole of two cylinders and a lateral, as each program has them (`tests/fixtures/cylinders`).
-const DIALECTS: &[&str] =
-    &["linden.csv", "simpleforest.csv", "rtwig.csv", "archi.csv", "treeqsm.txt", "raycloudtools.txt"];
+const DIALECTS: &[&str] = &[
+    "linden.csv",
+    "simpleforest.csv",
+    "rtwig.csv",
+    "archi.csv",
+    "treeqsm.txt",
+    // By scipy (make.py beside them): packed, as it is, and the variables of version 2.0.
+    "treeqsm.mat",
+    "treeqsm-plain.mat",
+    "treeqsm-2.0.mat",
+    "raycloudtools.txt",
+];
 
 const WRITTEN: &[&str] = &["linden", "simpleforest", "treeqsm", "raycloudtools", "archi"];
 
@@ -92,6 +102,77 @@ fn what_was_written_comes_back_as_it_was() {
             assert!((back / volume - 1.0).abs() < 1e-6, "{source}, {dialect}: {back} {volume}");
         }
     }
+}
+
+#[test]
+fn models_of_matlab_files_are_trees() {
+    let folder = Folder::new();
+    folder.write("two.mat", fixture("two.mat"));
+    let volume = |args: &[&str]| {
+        let stats = folder.run(&[&["stats"], args, &["--json"]].concat()).done().json();
+        number(&stats, "cylinder_volume_m3")
+    };
+    // The second is twice as thick.
+    let one = PI * 0.0241;
+    for (args, times) in [
+        (&["two.mat"][..], 5.0),
+        (&["two.mat", "--set", "table_tree=1"], 1.0),
+        (&["two.mat", "--set", "table_tree=2"], 4.0),
+    ] {
+        let found = volume(args);
+        assert!((found - times * one).abs() < 1e-6, "{args:?}: {found}");
+    }
+    // The best of several models is named.
+    folder.write("opt.mat", fixture("opt.mat"));
+    assert!((volume(&["opt.mat"]) - 4.0 * one).abs() < 1e-6);
+    let plain = fixture("treeqsm-plain.mat");
+    let find = |part: &[u8]| plain.windows(part.len()).position(|window| window == part).unwrap();
+    let with = |at: usize, bytes: &[u8]| {
+        let mut mended = plain.clone();
+        mended[at..at + bytes.len()].copy_from_slice(bytes);
+        mended
+    };
+    // Small whole numbers stand in their tags.
+    let parents = find(&[4, 0, 0, 0, 6, 0, 0, 0, 0, 0, 1, 0, 1, 0]) + 8;
+    let radii = find(&0.05_f32.to_le_bytes());
+    let hdf5 = [&b"MATLAB 7.3 MAT-file, Platform: GLNXA64"[..], &[0; 600]].concat();
+    for (bytes, part) in [
+        (with(parents, &[0, 0, 9, 0]), "cylinder 2: expected the id of a cylinder as parent, found '9'"),
+        (with(parents, &[2, 0, 1, 0]), "own child"),
+        (with(radii, &f32::NAN.to_le_bytes()), "cylinder 2: expected a finite number as radius"),
+        (with(radii, &(-1.0_f32).to_le_bytes()), "cylinder 2: expected metres from 0 to 100 as radius"),
+        (with(find(b"axis"), b"axes"), "no variable of it holds a model"),
+        (plain[..plain.len() / 2].to_vec(), "cut off"),
+        (with(126, b"??"), "order of its bytes"),
+        (hdf5, "save('qsm.mat', 'QSM', '-v7')"),
+    ] {
+        folder.write("bad.mat", bytes);
+        let said = folder.run(&["stats", "bad.mat"]);
+        assert_eq!(said.code, Some(1), "{part}: {}", said.err);
+        assert!(said.err.contains("bad.mat") && said.err.contains(part), "{part}: {}", said.err);
+    }
+}
+
+#[test]
+fn models_for_matlab_come_back_as_they_were() {
+    let folder = Folder::new();
+    let bare = ["--set=mat.recipe=false", "--set=qsm.comments=false", "--set=qsm.dialect=treeqsm"];
+    for source in ["simple", "abop-c"] {
+        folder.run(&[&["export", source, "-o", "a.mat", "-o", "a.csv"], &bare[..]].concat()).done();
+        folder.run(&[&["export", "a.mat", "-o", "b.mat", "-o", "b.csv"], &bare[..]].concat()).done();
+        let [text, back] = ["a.csv", "a.mat"].map(|file| {
+            let stats = folder.run(&["stats", file, "--json"]).done().json();
+            ["cylinder_volume_m3", "total_length_m", "height_m", "segments"].map(|name| number(&stats, name))
+        });
+        assert_eq!(text, back, "{source}");
+        let [a, b] = ["a.mat", "b.mat"].map(|name| folder.read(name));
+        assert_eq!(a.len(), b.len(), "{source}");
+    }
+    // With its recipe it is the plant again.
+    folder.run(&["export", "simple", "-o", "a.mat"]).done();
+    let recipe = folder.run(&["recipe", "a.mat"]).done().out;
+    assert!(recipe.contains("\"simple\""), "{recipe}");
+    folder.run(&["verify", "a.mat"]).done();
 }
 
 #[test]

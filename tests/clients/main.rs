@@ -3,6 +3,7 @@
 // A test's helpers panic like the test itself.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod ages;
 mod assembly;
 mod bones;
 mod collision;
@@ -11,6 +12,7 @@ mod crates;
 mod cylinders;
 mod foliage;
 mod instances;
+mod mat;
 mod mtg;
 mod numbers;
 mod organs;

@@ -8,6 +8,7 @@
 //! | rTwig | `start_x` …, `end_x` … (or `axis_x` … and `length`), `radius`, `id`, `parent` | parent 0: none |
 //! | aRchi | `startX` … `endZ`, `cyl_ID`, `parent_ID`, `radius_cyl` | parent 0: none |
 //! | `TreeQSM`, text | `radius (m)`, `length (m)`, `start_point`, `axis_direction`, `parent` | the row's number is its id |
+//! | `TreeQSM`, MATLAB | the structure `QSM.cylinder` in a MAT file | as its text; several models of one file are several trees |
 //! | raycloudtools | `x,y,z,radius,parent_id` | a line a tree; each segment runs from its parent's tip to its own |
 //!
 //! Columns go by their names, in any order and case; further ones are passed over.
@@ -16,7 +17,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, Up, in_range, lines, make_room, quoted, text_of};
+use super::{InputError, ROWS_PER_CHECK, Up, in_range, lines, make_room, mat, quoted, text_of};
 use crate::monitor::Monitor;
 
 /// The program whose habits a table of cylinders follows.
@@ -103,6 +104,9 @@ pub(super) fn header_tells(line: &str) -> Option<bool> {
 /// [`InputError`] with line and column: no header, cut rows, what is no number or no metre, a cylinder twice, a parent that is not
 /// there, parents in a circle; no memory; cancelled.
 pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable, InputError> {
+    if bytes.starts_with(mat::OPENING) || bytes.starts_with(mat::OPENING_HDF5) {
+        return mat::read(bytes, monitor);
+    }
     let mut header: Option<Header> = None;
     let mut found: Vec<Found> = Vec::new();
     let mut trees: Vec<Vec<CylinderRow>> = Vec::new();
@@ -154,13 +158,29 @@ fn wrong(line: usize, expected: String, found: &str) -> InputError {
 }
 
 /// A row as it stands in the file.
-struct Found {
-    line: usize,
-    id: i64,
+pub(super) struct Found {
+    pub line: usize,
+    pub id: i64,
     /// `None`: certainly none.
-    parent: Option<i64>,
-    tree: Option<i64>,
-    row: CylinderRow,
+    pub parent: Option<i64>,
+    pub tree: Option<i64>,
+    pub row: CylinderRow,
+}
+
+/// What is expected of a cylinder that is none, for its size.
+pub(super) fn check(row: &CylinderRow) -> Result<(), String> {
+    if !(0.0..=MOST_RADIUS_M).contains(&row.radius_m) {
+        return Err(format!("metres from 0 to {MOST_RADIUS_M} as radius, found {}", row.radius_m));
+    }
+    match row.along {
+        Some((_, length_m)) if !(0.0..=MOST_LENGTH_M).contains(&length_m) => {
+            Err(format!("metres from 0 to {MOST_LENGTH_M} as length, found {length_m}"))
+        }
+        Some((unit, length_m)) if unit == DVec3::ZERO && length_m > 0.0 => {
+            Err("a direction other than 0, 0, 0 as axis".to_owned())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Which column is what.
@@ -452,7 +472,7 @@ const UNSEEN: u32 = u32::MAX;
 const WAITING: u32 = u32::MAX - 1;
 
 /// The rows of one tree with parents by their places, before their children.
-fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
+pub(super) fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
     let mut by_id: BTreeMap<i64, usize> = BTreeMap::new();
     for (index, row) in found.iter().enumerate() {
         if let Some(first) = by_id.insert(row.id, index) {

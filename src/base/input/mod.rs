@@ -15,6 +15,7 @@ mod e57;
 mod grid;
 mod inputs;
 mod las;
+mod mat;
 mod obj;
 mod pcd;
 mod picture;

@@ -1,7 +1,7 @@
 //! Tells what a file is by what it holds; its name only decides between what the content leaves open.
 
 use super::table::Layout;
-use super::{InputError, cylinders, grid, lines, ply, ptx, text_of, xyz};
+use super::{InputError, cylinders, grid, lines, mat, ply, ptx, text_of, xyz};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,6 +88,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
     }
     if let Some((_, kind)) = CLOUDS.iter().find(|(opening, _)| bytes.starts_with(opening)) {
         return Ok(*kind);
+    }
+    if bytes.starts_with(mat::OPENING) || bytes.starts_with(mat::OPENING_HDF5) {
+        return Ok(InputKind::Cylinders { tapered: false });
     }
     if is_arbaro(bytes) {
         return Ok(InputKind::TreeParameters);

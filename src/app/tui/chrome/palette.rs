@@ -1,4 +1,4 @@
-//! The palette: every command, knob, preset, format and setting by its name, and files by their paths.
+//! The palette: every command, knob, age, preset, format and setting by its name, and files by their paths.
 //!
 //! Commands are judged as they will run: with the palette closed. A knob takes what follows its name, as
 //! `season 0.8`, and so does a setting, as `theme light`.
@@ -58,6 +58,8 @@ struct Choice {
 enum What {
     Command(&'static Command),
     Knob(&'static str),
+    /// By its name.
+    Age(String),
     Preset(TreePlace),
     Format(&'static str),
     Setting(&'static Setting),
@@ -108,7 +110,7 @@ impl Palette {
             let other = match &choice.what {
                 What::Command(command) => ranking.score(command.id),
                 What::Preset(_) => ranking.score(&choice.about),
-                What::Knob(_) | What::Format(_) | What::Setting(_) | What::File => None,
+                What::Knob(_) | What::Age(_) | What::Format(_) | What::Setting(_) | What::File => None,
             };
             // A title is meant more often than another name of the same.
             let score = title.map(|score| 3 * score).into_iter().chain(other.map(|score| 2 * score)).max();
@@ -231,6 +233,7 @@ impl Dialog<Model> for Palette {
                 model.focus_on(Pane::Shape);
                 model.form.selected = Some(FormSpot::Knob(name));
             }
+            (What::Age(name), _) => shape::ages::show(model, &name),
             (What::Format(id), _) => export::open_with(model, id),
             (What::Setting(setting), value) => {
                 let Some(value) = value else {
@@ -280,6 +283,7 @@ fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer
             keys.map(|key| key_label(&key.to_string())).collect::<Vec<_>>().join(" ")
         }
         What::Knob(_) => "knob".to_owned(),
+        What::Age(_) => "age".to_owned(),
         What::Preset(_) => "preset".to_owned(),
         What::Format(_) => "format".to_owned(),
         What::Setting(_) => "setting".to_owned(),
@@ -332,6 +336,14 @@ fn choices(model: &Model) -> Vec<Choice> {
         hindrance: None,
         tags: Vec::new(),
     });
+    let ages = panes.into_iter().flat_map(|tree| shape::ages::ages(tree.preset()));
+    let ages = ages.map(|(name, about)| Choice {
+        title: format!("age {}", name.replace('_', " ")),
+        what: What::Age(name),
+        about,
+        hindrance: None,
+        tags: Vec::new(),
+    });
     let forest = model.forest.as_ref().filter(|_| model.dialogs.is_empty());
     let of_forest = forest.into_iter().flat_map(|forest| forest.wanted().layout.knobs());
     let of_forest = of_forest.map(|(row, value)| Choice {
@@ -362,7 +374,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         hindrance: None,
         tags: Vec::new(),
     });
-    commands.chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
+    commands.chain(ages).chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
 }
 
 /// Whether what was typed begins as paths do.

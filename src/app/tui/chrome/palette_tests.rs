@@ -24,3 +24,35 @@ fn formats_settings_and_files_are_within_reach() {
     let opened = bench.effects.last();
     assert!(matches!(opened, Some(Effect::Load(TreePlace::File(path))) if path.ends_with("trees/oak.toml")));
 }
+
+#[test]
+fn ages_are_shown_one_after_the_other() {
+    let mut bench = Bench::grown(110, 34).without_pictures();
+    let text = "id = \"a\"\n[colonization]\ncrown = \"sphere\"\npoints = 60\n[bark]\nmoss = 0.5\n\
+                [age.young]\nage = 0.3\nmoss = 0\n[age.half_grown]\nage = 0.6\n[age.grown]\n";
+    let preset = linden::preset::Preset::from_toml(text).unwrap();
+    bench.model.tree = Some(crate::tui::tree::Tree::new(
+        TreePlace::File("a.toml".into()),
+        linden::recipe::Recipe::new(preset),
+    ));
+    let knobs = |bench: &Bench| {
+        let preset = bench.model.tree.as_ref().unwrap().preset();
+        ["age", "moss"].map(|name| preset.text_of(&preset.find_knob(name).unwrap()).unwrap())
+    };
+    for (typed, expected) in [
+        ("age young", ["0.3", "0"]),
+        ("age half", ["0.6", "0.5"]),
+        ("age young", ["0.3", "0"]),
+        ("age grown", ["1", "0.5"]),
+    ] {
+        bench.keys(":").types(typed);
+        assert!(bench.screen().contains("age half grown") || typed != "age half", "{}", bench.screen());
+        bench.keys("enter");
+        assert_eq!(knobs(&bench), expected, "{typed}");
+    }
+    // What was turned by hand besides stays.
+    bench.model.tree.as_mut().unwrap().set("points", "70", std::time::Instant::now()).unwrap();
+    bench.keys(":").types("age young").keys("enter");
+    let preset = bench.model.tree.as_ref().unwrap().preset();
+    assert_eq!(preset.text_of(&preset.find_knob("points").unwrap()).as_deref(), Some("70"));
+}

@@ -1,5 +1,6 @@
 //! The form of knobs, made from the preset's table; undo, comparison, saving; the grammar.
 
+pub mod ages;
 mod commands;
 mod complete;
 mod editor;
