@@ -252,7 +252,7 @@ fn joints_go_where_the_morph_targets_go() {
 fn levels_share_joints_and_many_trees_have_their_own() {
     let dir = tempfile::tempdir().unwrap();
     let knobs = [("points", "400"), ("lods", "3"), ("billboard", "2"), ("wind", "bones"), ("bones", "40")];
-    let recipe = recipe("oak", &knobs);
+    let recipe = recipe("drawn-oak", &knobs);
     let grown = grow(&recipe, &Quiet).unwrap();
     let all = levels(&recipe, &grown, &Quiet).unwrap().levels;
     let alone = Stage::of_levels(&all[0].scene, all.iter().map(Level::on_stage).collect());

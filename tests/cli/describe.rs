@@ -17,6 +17,7 @@ const COMMANDS: [&str; 22] = [
     "preview",
     "sheet",
     "export",
+    "impostor",
     "scan",
     "recipe",
     "verify",

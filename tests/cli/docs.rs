@@ -18,6 +18,8 @@ const PAGES: [(&str, usize); 9] = [
     ("docs/workbench.md", 3),
     ("docs/crowns.md", 0),
     ("docs/choosing-a-generator.md", 6),
+    ("docs/ages.md", 6),
+    ("docs/impostors.md", 3),
 ];
 
 /// The command lines of a page: lines of its `sh` blocks, and code in its text, that begin with the program's
@@ -101,8 +103,19 @@ fn fault(line: &str) -> Option<String> {
             }
         }
     }
-    let takes_source =
-        ["show", "stats", "sweep", "calibrate", "preview", "export", "scan", "open", "sheet", "forest"];
+    let takes_source = [
+        "show",
+        "stats",
+        "sweep",
+        "calibrate",
+        "preview",
+        "export",
+        "scan",
+        "open",
+        "sheet",
+        "forest",
+        "impostor",
+    ];
     if let [command, source, ..] = &words[..]
         && takes_source.contains(&command.as_str())
     {

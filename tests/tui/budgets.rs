@@ -149,14 +149,14 @@ fn leaving_a_dialog_over_a_network_costs_little_in_characters() {
     for (columns, rows) in [(80, 24), (120, 40)] {
         for (colors, answers) in [("truecolor", Answers::TrueColor), ("256", Answers::Plain)] {
             let home = Home::new();
-            let args = ["open", "oak", "--colors", colors];
+            let args = ["open", "drawn-oak", "--colors", colors];
             let setup = Setup::new(columns, rows).over_ssh().answers(answers).args(&args);
             let workbench = setup.start(&home);
             workbench.wait_for_tree();
             workbench.settle();
             for pane in ["list", "picture", "form"] {
                 for (key, shows) in
-                    [("?", "Help"), (":", "Commands"), ("e", "Export oak"), ("S", "Statistics")]
+                    [("?", "Help"), (":", "Commands"), ("e", "Export drawn-oak"), ("S", "Statistics")]
                 {
                     workbench.keys(key);
                     workbench.wait_for_text(shows);

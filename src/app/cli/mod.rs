@@ -17,6 +17,7 @@ mod doctor;
 mod export;
 mod forest;
 mod forest_page;
+mod impostor;
 mod knob;
 mod lint;
 mod list;
@@ -134,6 +135,7 @@ enum CliCommand {
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
+    Impostor(impostor::Impostor),
     Scan(scan::Scan),
     Recipe(recipe::Recipe),
     Verify(verify::Verify),
@@ -463,6 +465,7 @@ impl CliCommand {
             Self::Preview(command) => command.run(),
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),
+            Self::Impostor(command) => command.run(),
             Self::Scan(command) => command.run(),
             Self::Recipe(command) => command.run(),
             Self::Verify(command) => command.run(),

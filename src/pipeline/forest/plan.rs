@@ -257,7 +257,7 @@ mod tests {
     fn trees_that_compete_are_one_growth_with_a_root_at_each_place() {
         let kind = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
         // A plain crown, and one that is put together.
-        for id in ["dressed-simple", "oak"] {
+        for id in ["dressed-simple", "drawn-oak"] {
             let mut forest = Forest::of(vec![kind(id)]);
             for (knob, value) in [("area", "40"), ("spacing", "8"), ("trees", "5"), ("distinct", "1")] {
                 forest.layout.set(knob, value).unwrap();

@@ -351,13 +351,13 @@ mod tests {
     const DOCUMENT: &str = "id = \"a\"\n\n[self-organizing]\nyears = 30\n\n[foliage]\nleaf_form = \"card\"\n\n\
                             [[foliage.also]]\nname = \"blossom\"\nleaf_form = \"card\"\n\n[age.young]\n\
                             age = 0.3 # a third\nleaves_per_m = \"20 ± 2\"\nblossom.leaf_keep = 0\nalso.1.leaf_length = 0.02\n\n\
-                            [age.old]\nyears = 60\nleaf_form = \"none\"\n";
+                            [age.old]\nyears = 60\nleaf_form = \"none\"\n\n[age.whole]\n";
 
     #[test]
     fn ages_are_read_written_and_edited_in_place() {
         let preset = Preset::from_toml(DOCUMENT).unwrap();
         let names: Vec<&str> = preset.ages().iter().map(|age| age.name.as_str()).collect();
-        assert_eq!(names, ["young", "old"]);
+        assert_eq!(names, ["young", "whole", "old"]);
         let turns: Vec<_> = preset.ages()[0].turns().collect();
         let expected = [
             ("age", "0.3"),
@@ -366,6 +366,7 @@ mod tests {
             ("blossom.leaf_keep", "0"),
         ];
         assert_eq!(turns, expected.map(|(knob, to)| (knob, to.to_owned())));
+        assert!(preset.to_toml_changed().unwrap().lines().count() < 25);
         for text in [preset.to_toml().unwrap(), preset.to_toml_changed().unwrap()] {
             assert_eq!(Preset::from_toml(&text).unwrap(), preset, "{text}");
         }
@@ -384,7 +385,7 @@ mod tests {
             preset.ages_of(list).unwrap().iter().map(|age| preset.at_age(age).unwrap()).collect::<Vec<_>>()
         };
         let ages = at("all,half=0.5,12y,ten=10y");
-        assert_eq!(ages.iter().map(years).collect::<Vec<_>>(), [9, 60, 15, 12, 10]);
+        assert_eq!(ages.iter().map(years).collect::<Vec<_>>(), [9, 30, 60, 15, 12, 10]);
         assert!(ages.iter().all(|age| age.ages().is_empty() && age.seed() == preset.seed()));
         let mut by_hand = preset.clone();
         for (knob, to) in [
@@ -422,7 +423,7 @@ mod tests {
         }
         let preset = Preset::from_toml(DOCUMENT).unwrap();
         for (list, said) in [
-            ("", "'a' names young, old"),
+            ("", "'a' names young, whole, old"),
             ("yung", "did you mean 'young'"),
             ("0.5", "like half=0.5, or in years, like 10y"),
             ("young,young=0.4", "young is named twice"),

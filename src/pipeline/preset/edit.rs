@@ -11,6 +11,7 @@ use linden_plant::settings::LeafKind;
 use linden_skeleton::edit::Edit as WoodEdit;
 use linden_skeleton::generator::KeyContent;
 
+use super::ages::AGES;
 use super::edits::EDIT_OPERATION;
 use super::{Preset, former};
 use crate::generators;
@@ -251,6 +252,8 @@ fn strip(document: &mut dyn TableLike, plain: &dyn TableLike) {
     for key in keys {
         let default = plain.get(&key);
         let is_gone = match document.get_mut(&key) {
+            // An age that turns nothing has its name.
+            Some(Item::Table(_)) if key == AGES => false,
             Some(Item::Table(table)) => {
                 let none = toml_edit::Table::new();
                 strip(table, default.and_then(Item::as_table).unwrap_or(&none));

@@ -11,6 +11,7 @@
 pub mod billboard;
 mod cards;
 mod drawing;
+pub mod impostor;
 mod leaves;
 mod levels;
 mod solve;

@@ -159,20 +159,20 @@ fn keep_coverage(covered: &[f32], size: Pixels, cutout: f32) -> Vec<f32> {
 }
 
 /// Sums of values in `xyz` and of their weights in `w`.
-struct Plane {
+pub(in crate::detail) struct Plane {
     size: Pixels,
-    values: Vec<Vec4>,
+    pub values: Vec<Vec4>,
 }
 
 impl Plane {
-    fn new(size: Pixels) -> Self {
+    pub fn new(size: Pixels) -> Self {
         Self { size, values: vec![Vec4::ZERO; size.area()] }
     }
 
     /// Gives every pixel without a value one from around it, and the others their mean: halved pictures
     /// and filters then find no foreign colour beyond an edge. The pull-push of Gortler et al. 1996
     /// ("The Lumigraph"), with weights that are either there or not.
-    fn fill(&mut self, monitor: &dyn Monitor) -> Result<(), Cancelled> {
+    pub fn fill(&mut self, monitor: &dyn Monitor) -> Result<(), Cancelled> {
         monitor.check()?;
         for value in &mut self.values {
             *value = if value.w > 0.0 { *value / value.w } else { Vec4::ZERO };

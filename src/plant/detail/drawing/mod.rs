@@ -9,7 +9,7 @@ use glam::{Vec2, Vec3};
 
 use linden_base::picture::Picture;
 
-pub(super) use finish::{Finished, Pile, Resolved};
+pub(super) use finish::{Finished, Pile, Plane, Resolved};
 pub(super) use raster::{Canvas, Drawn, View, draw};
 pub(super) use texture::Texture;
 
