@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 22] = [
+const COMMANDS: [&str; 23] = [
     "open",
     "list",
     "show",

@@ -8,7 +8,7 @@ use linden_exporters::REGISTRY;
 use crate::program::linden;
 
 /// Pages with commands, and the least number of them.
-const PAGES: [(&str, usize); 9] = [
+const PAGES: [(&str, usize); 11] = [
     ("README.md", 15),
     ("docs/tutorial.md", 7),
     ("docs/formats.md", 12),

@@ -1,6 +1,7 @@
 //! The program as scripts see it: what it prints, what it writes, with which code it ends.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
+mod ages;
 mod assembly;
 mod bad_input;
 mod batch;

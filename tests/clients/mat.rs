@@ -1,4 +1,4 @@
-//! MATLAB's files of cylinders, read by scipy, are TreeQSM's text.
+//! MATLAB's files of cylinders, read by scipy, are `TreeQSM`'s text.
 
 use linden::stage::{Place, Plant, Stage};
 use linden_tests::fixtures::export_stage;

@@ -13,11 +13,11 @@ const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
 ///
 /// # Errors
 /// As [`aged`]; several.
-pub fn at(source: Source, age: &str, turned: &[(String, String)]) -> anyhow::Result<Source> {
+pub fn at(source: &Source, age: &str, turned: &[(String, String)]) -> anyhow::Result<Source> {
     // A share by itself needs no name where there is no file to name.
     let age = age.trim();
     let list = if age.parse::<f64>().is_ok() { format!("at={age}") } else { age.to_owned() };
-    let mut ages = of_flag(&source, "--age", &list, turned)?;
+    let mut ages = of_flag(source, "--age", &list, turned)?;
     match ages.pop() {
         Some((_, aged)) if ages.is_empty() => Ok(aged),
         _ => Err(usage(format!("--age {}: expected one age; --ages takes several", printable(age)))),

@@ -27,14 +27,14 @@ const NORMAL_DEPTH: &str = "_normal_depth.png";
 ///
 /// The plant is seen without perspective from a grid of directions, an octahedron that is unfolded onto a square; a shader
 /// draws one rectangle that faces the viewer and mixes the views next to where it looks from (docs/impostors.md has one).
-/// Three files: NAME.json with what the shader needs to know, NAME_color.png with alpha, NAME_normal_depth.png with normals
+/// Three files: NAME.json with what the shader needs to know, `NAME_color.png` with alpha, `NAME_normal_depth.png` with normals
 /// in the plant's axes and in alpha how near it is.
 #[derive(Args)]
 pub struct Impostor {
     #[command(flatten)]
     growing: GrowArgs,
 
-    /// Write this file (.json), with the pictures beside it, or SOURCE_impostor.json into this directory
+    /// Write this file (.json), with the pictures beside it, or `SOURCE_impostor.json` into this directory
     #[arg(short, long, value_name = "PATH")]
     output: PathBuf,
 

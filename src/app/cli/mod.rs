@@ -223,7 +223,7 @@ impl GrowArgs {
         let mut source = source::resolve(&self.source, pairs, progress)?;
         define(&mut source, &self.defines)?;
         if let Some(age) = &self.age {
-            source = ages::at(source, age, pairs)?;
+            source = ages::at(&source, age, pairs)?;
         }
         for edit in &self.edits {
             source.recipe.preset.edit(edit).map_err(exit::usage)?;

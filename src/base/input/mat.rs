@@ -1,7 +1,7 @@
 //! Reads the models that `TreeQSM` saves in MATLAB's files (MAT-File Level 5): structures with a field `cylinder`, wherever
 //! they stand in the file; or the flat variables of its version 2.0.
 //!
-//! Of the format (MathWorks, MAT-File Format, 2019) what such files hold is read: numbers of all types, structures, cells,
+//! Of the format (`MathWorks`, MAT-File Format, 2019) what such files hold is read: numbers of all types, structures, cells,
 //! compressed variables, either order of bytes. Files of `-v7.3` are HDF5, and refused with advice.
 
 use std::collections::BTreeMap;

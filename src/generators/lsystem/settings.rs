@@ -321,8 +321,9 @@ impl LSystem {
     pub(crate) fn why_idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
         let is_ruled = matches!(wood.width, Width::Pipe | Width::Order | Width::Taper);
         match knob {
-            "derivations" if self.grammar.productions().is_empty() => Some("the grammar has no rules"),
-            "age" if self.grammar.productions().is_empty() => Some("the grammar has no rules"),
+            "derivations" | "age" if self.grammar.productions().is_empty() => {
+                Some("the grammar has no rules")
+            }
             "age" if self.derivations <= 1 => Some("derivations is 0 or 1"),
             "angle" if !self.writes(TURNS, true) => Some("each turn of the grammar names its angle"),
             "width_steps" | "width_smoothing" if wood.width == Width::Grammar && !self.writes("!", false) => {

@@ -91,7 +91,8 @@ pub enum ImpostorError {
 /// ```
 pub fn direction([column, row]: [u32; 2], frames: u32, is_whole: bool) -> Vec3 {
     let at = Vec2::new(column as f32, row as f32) / (frames.max(2) - 1) as f32 * 2.0 - 1.0;
-    let (x, z) = if is_whole { (at.x, at.y) } else { ((at.x + at.y) / 2.0, (at.x - at.y) / 2.0) };
+    let half = |sum: f32| sum / 2.0;
+    let (x, z) = if is_whole { (at.x, at.y) } else { (half(at.x + at.y), half(at.x - at.y)) };
     let y = 1.0 - x.abs() - z.abs();
     let folded =
         |a: f32, b: f32| if y < 0.0 { (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 } } else { a };

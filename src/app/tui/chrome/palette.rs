@@ -125,7 +125,12 @@ impl Palette {
 
     /// A knob or a setting by its whole name, with what it is to be turned to.
     fn turned(&self) -> Option<Found<'_>> {
-        let (name, value) = self.input.value().trim_start().split_once([' ', '='])?;
+        let typed = self.input.value().trim_start();
+        let (name, value) = typed.split_once([' ', '='])?;
+        let is_age = |choice: &Choice| matches!(choice.what, What::Age(_)) && choice.title.starts_with(typed);
+        if !value.is_empty() && self.choices.iter().any(is_age) {
+            return None;
+        }
         let choice = self.choices.iter().find(|choice| match choice.what {
             What::Knob(knob) => knob == name || choice.title == name,
             What::Setting(setting) => setting.name == name,
