@@ -3,7 +3,6 @@
 use linden::Quiet;
 use linden::grow::grow;
 use linden::preset::{Colonization, ScanSettings, builtins};
-use linden::recipe::Recipe;
 use linden_tests::presets::recipe;
 use rayon::prelude::*;
 
@@ -22,7 +21,9 @@ fn young_plants_are_low_and_slender() {
             let mut preset = preset.clone();
             preset.set("age", age).unwrap_or_else(|error| panic!("{}: {error}", builtin.id));
             preset.dressing.foliage = linden::preset::FoliageSettings::default();
-            grow(&Recipe { preset, ..whole.clone() }, &Quiet).map(|grown| grown.skeleton)
+            let mut recipe = whole.clone();
+            recipe.preset = preset;
+            grow(&recipe, &Quiet).map(|grown| grown.skeleton)
         };
         let grown = at("1").unwrap();
         // A grammar may have drawn nothing yet.
@@ -50,8 +51,9 @@ fn ages_that_have_names_rise() {
         let whole = recipe(builtin);
         let mut before = 0.0;
         for age in whole.preset.ages() {
-            let preset = whole.preset.at_age(age).unwrap();
-            let grown = grow(&Recipe { preset, ..whole.clone() }, &Quiet).unwrap();
+            let mut recipe = whole.clone();
+            recipe.preset = whole.preset.at_age(age).unwrap();
+            let grown = grow(&recipe, &Quiet).unwrap();
             let height_m = grown.skeleton.measures().height_m;
             assert!(height_m > before * 0.999, "{}: {} is {height_m:.2} m high", builtin.id, age.name);
             assert!(!grown.organs.is_empty(), "{}: {} is bare", builtin.id, age.name);
