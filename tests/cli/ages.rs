@@ -40,20 +40,9 @@ fn each_age_has_files_and_usd_one_over_them() {
     assert!(young < height(&folder, &["a_grown.glb"]));
     folder.run(&["verify", "a_young.glb", "a_grown.glb"]).done();
     // With levels and seasons besides.
-    folder
-        .run(&[
-            "export",
-            "shrub.toml",
-            "--ages",
-            "young,y=3y",
-            "--lods",
-            "2",
-            "--seasons",
-            "summer,bare",
-            "-o",
-            "b.obj",
-        ])
-        .done();
+    let args = ["--ages", "young,y=3y", "--lods", "2", "--seasons", "summer,bare", "-o", "b.obj"];
+    let wrote = folder.run(&[&["export", "shrub.toml"], &args[..]].concat());
+    assert_eq!(wrote.code, Some(0), "{}", wrote.err);
     let names = folder.names();
     for name in ["b_young_summer_LOD0.obj", "b_young_bare_LOD1.obj", "b_y_summer_LOD1.obj"] {
         assert!(names.iter().any(|found| found == name), "{name} in {names:?}");

@@ -164,7 +164,11 @@ fn models_for_matlab_come_back_as_they_were() {
             let stats = folder.run(&["stats", file, "--json"]).done().json();
             ["cylinder_volume_m3", "total_length_m", "height_m", "segments"].map(|name| number(&stats, name))
         });
-        assert_eq!(text, back, "{source}");
+        // Text has the shortest digits of what is written there in single precision.
+        assert!(
+            text.iter().zip(back).all(|(a, b)| (a / b - 1.0).abs() < 1e-9),
+            "{source}: {text:?} {back:?}"
+        );
         let [a, b] = ["a.mat", "b.mat"].map(|name| folder.read(name));
         assert_eq!(a.len(), b.len(), "{source}");
     }

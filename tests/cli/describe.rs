@@ -109,6 +109,7 @@ fn the_list_names_the_presets_that_are_promised() {
             "usdc",
             "usdz",
             "qsm",
+            "mat",
             "mtg",
             "organs",
             "stl",
