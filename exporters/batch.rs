@@ -284,7 +284,7 @@ impl Batch {
         self.bundles.retain(|_| kept.next().unwrap_or(false));
         self.outputs.retain(has);
         if let Some(age) = age {
-            self.ages.push((age.to_owned(), stage.name.clone(), stage.bounds()));
+            self.ages.push((age.to_owned(), stage.name.clone(), whole_bounds(stage)));
         }
         let mut said: Vec<String> = Vec::new();
         let outputs = self.outputs.iter().zip(&mut self.bundles).filter(|(output, _)| is_its(output));
@@ -341,6 +341,15 @@ impl Batch {
         written.retain(|file| listed.insert(file.path.clone()));
         Ok(written)
     }
+}
+
+/// The box of all levels and seasons.
+fn whole_bounds(stage: &Stage<'_>) -> Option<Bounds> {
+    let of_season = |season: usize| {
+        let stage = stage.in_season(season);
+        (0..stage.levels().max(1)).filter_map(|level| stage.at_level(level).bounds()).reduce(Bounds::union)
+    };
+    (0..stage.seasons().max(1)).filter_map(of_season).reduce(Bounds::union)
 }
 
 /// `fir.glb`, or `fir-skeleton.ply` where another format has the plain name.

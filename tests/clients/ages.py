@@ -9,7 +9,7 @@ from pxr import Usd, UsdGeom
 
 def points(stage):
     meshes = [UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh)]
-    return sorted((prim.GetName(), len(prim.GetPointsAttr().Get())) for prim in meshes)
+    return sorted((mesh.GetPrim().GetName(), len(mesh.GetPointsAttr().Get())) for mesh in meshes)
 
 
 def main():

@@ -94,6 +94,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
             }
             "qsm" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,parent,branch,")),
             "organs" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,node,kind,")),
+            "mat" => assert!(fs::read(&file).unwrap().starts_with(b"MATLAB 5.0 MAT-file, ")),
             "mtg" => assert!(fs::read_to_string(&file).unwrap().contains("\nMTG:\nENTITY-CODE")),
             _ => assert!(fs::read(&file).unwrap().starts_with(b"ply\n")),
         }
