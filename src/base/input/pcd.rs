@@ -192,7 +192,8 @@ impl Header {
             let is_known = matches!((kind, size), ('F', 4 | 8) | ('I' | 'U', 1 | 2 | 4));
             if self.encoding != Encoding::Ascii && !is_known {
                 return Err(whole(&format!(
-                    "its field {name} is of type {kind} {size}; expected F 4 or F 8"
+                    "its field {name} is of type {} of {size} bytes; expected F 4 or F 8",
+                    quoted(&kind.to_string())
                 )));
             }
             *column = found;
