@@ -284,7 +284,9 @@ impl Batch {
         self.bundles.retain(|_| kept.next().unwrap_or(false));
         self.outputs.retain(has);
         if let Some(age) = age {
-            self.ages.push((age.to_owned(), stage.name.clone(), whole_bounds(stage)));
+            let is_gathered = self.outputs.iter().any(|output| output.gathers);
+            let bounds = if is_gathered { whole_bounds(stage) } else { None };
+            self.ages.push((age.to_owned(), stage.name.clone(), bounds));
         }
         let mut said: Vec<String> = Vec::new();
         let outputs = self.outputs.iter().zip(&mut self.bundles).filter(|(output, _)| is_its(output));

@@ -249,10 +249,9 @@ impl Exporter for Mat {
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
         let trees = validate::trees(stage, monitor)?;
-        let rows = |nodes: usize| nodes as u64;
         let more = trees.iter().map(|(_, scene)| {
             let nodes = scene.skeleton.positions.len();
-            Forks::bytes_for(&scene.skeleton) + Sheet::bytes(nodes) + 2 * cylinder_bytes(rows(nodes))
+            Forks::bytes_for(&scene.skeleton) + Sheet::bytes(nodes) + 2 * cylinder_bytes(nodes as u64)
         });
         memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
         let (_, text) = recipe::of_stage(stage);

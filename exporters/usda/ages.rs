@@ -8,7 +8,7 @@ use linden_pipeline::Monitor;
 use linden_pipeline::scene::Bounds;
 
 use super::layer::Layer;
-use super::payloads::{asset, extents_hint};
+use super::payloads::{asset, begin, extents_hint};
 use super::syntax::{identifier, quoted};
 use crate::assembly::{AgeFile, AgeSet};
 use crate::{Bundle, ExportError, GENERATOR};
@@ -29,17 +29,7 @@ pub(crate) fn write(
 fn write_layer(layer: &mut Layer<'_, '_>, set: &AgeSet) -> Result<(), ExportError> {
     let root = identifier(&set.name);
     let (name, generator) = (quoted(&set.name), quoted(GENERATOR));
-    layer.lines(&format!(
-        r#"#usda 1.0
-(
-    defaultPrim = "{root}"
-    doc = {generator}
-    metersPerUnit = 1
-    upAxis = "Y"
-)
-
-"#
-    ))?;
+    begin(layer, &root)?;
     let chosen = set.ages.last().map_or("", |file| file.age.as_str());
     layer.open(&format!(
         r#"def Xform "{root}" (

@@ -22,9 +22,9 @@ pub(crate) fn write(
     bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), assembly))
 }
 
-fn write_layer(layer: &mut Layer<'_, '_>, assembly: &Assembly) -> Result<(), ExportError> {
-    let root = identifier(&assembly.name);
-    let (name, generator) = (quoted(&assembly.name), quoted(GENERATOR));
+/// What stands before the first prim, `root`, of a layer that names others.
+pub(super) fn begin(layer: &mut Layer<'_, '_>, root: &str) -> Result<(), ExportError> {
+    let generator = quoted(GENERATOR);
     layer.lines(&format!(
         r#"#usda 1.0
 (
@@ -35,7 +35,13 @@ fn write_layer(layer: &mut Layer<'_, '_>, assembly: &Assembly) -> Result<(), Exp
 )
 
 "#
-    ))?;
+    ))
+}
+
+fn write_layer(layer: &mut Layer<'_, '_>, assembly: &Assembly) -> Result<(), ExportError> {
+    let root = identifier(&assembly.name);
+    let (name, generator) = (quoted(&assembly.name), quoted(GENERATOR));
+    begin(layer, &root)?;
     layer.open(&format!(
         r#"def Xform "{root}" (
     prepend apiSchemas = ["GeomModelAPI"]

@@ -57,6 +57,19 @@ pub enum SeasonError {
 /// The longest name: it becomes part of the names of files.
 const MOST_LETTERS: usize = 32;
 
+/// Whether files and variants can be called so: a lower-case letter, then lower-case letters,
+/// digits or `_`, 32 at most.
+///
+/// ```
+/// use linden_plant::season::is_name;
+/// assert!(is_name("late_2") && !is_name("2_late") && !is_name("Late"));
+/// ```
+pub fn is_name(name: &str) -> bool {
+    let starts = name.starts_with(|first: char| first.is_ascii_lowercase());
+    let rest = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    starts && name.chars().all(rest) && name.len() <= MOST_LETTERS
+}
+
 fn names() -> String {
     SEASONS.map(|(name, at)| format!("{name} ({at})")).join(", ")
 }
@@ -93,9 +106,7 @@ impl Season {
             return Ok(Self { name: name.to_owned(), season });
         };
         let (name, value) = (name.trim(), value.trim());
-        let starts = name.starts_with(|first: char| first.is_ascii_lowercase());
-        let rest = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-        if !starts || !name.chars().all(rest) || name.len() > MOST_LETTERS {
+        if !is_name(name) {
             return Err(SeasonError::Name(name.to_owned()));
         }
         let season = value.parse().ok().filter(|season| (0.0..=1.0).contains(season));

@@ -13,12 +13,28 @@ use linden_pipeline::preset::{Preset, builtin};
 use linden_pipeline::recipe::Recipe;
 use linden_skeleton::organs::Organs;
 
+use crate::scene::{Material, Wrap};
 use crate::settings::{
     self, BarkSettings, DetailSettings, Dressing, FoliageSettings, LeafKind, WindSettings,
 };
 use crate::surface::Tubes;
 use crate::texture::DrawnPictures;
 use crate::{Body, Specimen, Wanted};
+
+/// A material of one colour.
+pub fn plain(base_color: [f32; 3], double_sided: bool) -> Material {
+    Material {
+        name: "plain".to_owned(),
+        base_color,
+        base_color_picture: None,
+        normal_picture: None,
+        roughness: 1.0,
+        double_sided,
+        cutout: None,
+        wrap: Wrap::Clamp,
+        translucency: None,
+    }
+}
 
 /// Nobody wants anything any more: what asks, stops.
 pub struct Stop;

@@ -107,6 +107,19 @@ impl Steps {
         let step = libm::ceil(age * f64::from(count) - 1e-9) as u32;
         step.clamp(count.min(1), count)
     }
+
+    /// The number of steps and the share of them that settings of `count` steps have for the tree at a step. What is not
+    /// drawn yet has no age, and no tree is older than it is whole.
+    ///
+    /// ```
+    /// use linden_skeleton::generator::Steps;
+    /// let (count, age) = Steps::at(3, 7);
+    /// assert_eq!((count, Steps::after(age, count)), (7, 3));
+    /// assert_eq!([Steps::at(0, 7), Steps::at(9, 7)], [(0, 1.0), (9, 1.0)]);
+    /// ```
+    pub fn at(step: u32, count: u32) -> (u32, f64) {
+        if (1..count).contains(&step) { (count, f64::from(step) / f64::from(count)) } else { (step, 1.0) }
+    }
 }
 
 /// A key of a generator's table that is no knob.

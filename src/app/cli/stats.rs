@@ -196,9 +196,8 @@ const SIDE_BY_SIDE: [&str; 13] = [
 fn columns(all: &[StatsReport]) -> String {
     let Some(first) = all.first() else { return String::new() };
     let mut text = format!("{} (seed {}, {})\n\n", first.source, first.seed, first.generator);
-    let heading =
-        std::iter::once((String::new(), all.iter().map(|stats| stats.age.clone().unwrap_or_default())));
-    let mut rows: Vec<(String, Vec<String>)> = heading.map(|(label, ages)| (label, ages.collect())).collect();
+    let ages = all.iter().map(|stats| stats.age.clone().unwrap_or_default());
+    let mut rows: Vec<(String, Vec<String>)> = vec![(String::new(), ages.collect())];
     for number in SIDE_BY_SIDE.iter().filter_map(|name| NUMBERS.iter().find(|number| number.name == *name)) {
         let value = |stats: &StatsReport| line(number, &stats.report, false).map(|(_, value)| value);
         let values: Vec<Option<String>> = all.iter().map(value).collect();

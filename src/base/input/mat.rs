@@ -371,21 +371,20 @@ fn model(
     let Some(needed) = found[..NEEDED].iter().copied().collect::<Option<Vec<_>>>() else { return Ok(None) };
     let [(_, radius), (_, length), (_, start), (_, axis), (_, parent)] = needed[..] else { return Ok(None) };
     let count = radius.rows.max(radius.columns);
-    if count == 0 || radius.rows == 0 {
+    if count == 0 {
         return Ok(None);
     }
     monitor.admit(READING, bytes_grown::<(Found, CylinderRow)>(count), READING_ADVICE)?;
     for (name, numbers) in found.iter().flatten() {
-        let is_place = matches!(*name, "start" | "axis" | "Sta" | "Axe");
-        // Of version 2.0: the branch, its order, the place in it.
-        let fits = if is_place || *name == "BoC" {
+        // Of version 2.0 BoC: the branch, its order, the place in it.
+        let has_three = matches!(*name, "start" | "axis" | "Sta" | "Axe" | "BoC");
+        let fits = if has_three {
             (numbers.rows, numbers.columns) == (count, 3)
         } else {
             numbers.rows.max(numbers.columns) == count && numbers.rows.min(numbers.columns) == 1
         };
         if !fits {
-            let expected =
-                if is_place || *name == "BoC" { format!("{count} x 3") } else { format!("{count} x 1") };
+            let expected = format!("{count} x {}", if has_three { 3 } else { 1 });
             let (rows, columns) = (numbers.rows, numbers.columns);
             return Err(whole(format!("{name} is {rows} x {columns}, but radius says {expected}")));
         }

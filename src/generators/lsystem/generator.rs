@@ -159,12 +159,7 @@ impl Settings for LSystem {
     }
 
     fn at_step(&self, derivations: u32) -> Option<Box<dyn Settings>> {
-        // What is not drawn yet has no age, and no tree is older than it is whole.
-        let (derivations, age) = if (1..self.derivations).contains(&derivations) {
-            (self.derivations, f64::from(derivations) / f64::from(self.derivations))
-        } else {
-            (derivations, 1.0)
-        };
+        let (derivations, age) = Steps::at(derivations, self.derivations);
         Some(Box::new(Self { derivations, age, ..self.clone() }))
     }
 

@@ -97,12 +97,7 @@ impl Settings for SelfOrganizing {
     }
 
     fn at_step(&self, years: u32) -> Option<Box<dyn Settings>> {
-        let years = years.max(1);
-        let (years, age) = if years < self.years {
-            (self.years, f64::from(years) / f64::from(self.years))
-        } else {
-            (years, 1.0)
-        };
+        let (years, age) = Steps::at(years.max(1), self.years);
         Some(Box::new(Self { years, age, ..self.clone() }))
     }
 

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use linden_base::document::{Datum, Entry, Fault, Node};
 use linden_base::knob::{Spread, Value, did_you_mean, excerpt, nearest};
+use linden_plant::season::is_name;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use super::write::Plain;
@@ -14,9 +15,6 @@ pub const AGES: &str = "age";
 
 /// Ages of one preset.
 pub const MOST_AGES: usize = 16;
-
-/// The longest name: it becomes part of the names of files.
-const MOST_LETTERS: usize = 32;
 
 /// The knob that is turned by `half=0.5`.
 const SHARE: &str = "age";
@@ -90,7 +88,7 @@ pub enum AgeError {
     },
     /// Files could not call it so.
     #[error(
-        "'{}' cannot name an age: take a lower-case letter, then lower-case letters, digits or _, at most {MOST_LETTERS}",
+        "'{}' cannot name an age: take a lower-case letter, then lower-case letters, digits or _, at most 32",
         excerpt(.0)
     )]
     Name(String),
@@ -113,13 +111,6 @@ impl std::fmt::Display for OrYears {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         if self.0 { f.write_str(", or in years, like 10y") } else { Ok(()) }
     }
-}
-
-/// Whether files and variants can be called so.
-fn is_name(name: &str) -> bool {
-    let starts = name.starts_with(|first: char| first.is_ascii_lowercase());
-    let rest = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    starts && name.chars().all(rest) && name.len() <= MOST_LETTERS
 }
 
 impl Preset {
@@ -366,7 +357,9 @@ mod tests {
             ("blossom.leaf_keep", "0"),
         ];
         assert_eq!(turns, expected.map(|(knob, to)| (knob, to.to_owned())));
-        assert!(preset.to_toml_changed().unwrap().lines().count() < 25);
+        // What is at its default is left out, and an age that turns nothing is not.
+        let [whole, short] = [preset.to_toml().unwrap(), preset.to_toml_changed().unwrap()];
+        assert!(5 * short.lines().count() < whole.lines().count(), "{short}");
         for text in [preset.to_toml().unwrap(), preset.to_toml_changed().unwrap()] {
             assert_eq!(Preset::from_toml(&text).unwrap(), preset, "{text}");
         }

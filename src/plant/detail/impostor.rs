@@ -91,8 +91,7 @@ pub enum ImpostorError {
 /// ```
 pub fn direction([column, row]: [u32; 2], frames: u32, is_whole: bool) -> Vec3 {
     let at = Vec2::new(column as f32, row as f32) / (frames.max(2) - 1) as f32 * 2.0 - 1.0;
-    let half = |sum: f32| sum / 2.0;
-    let (x, z) = if is_whole { (at.x, at.y) } else { (half(at.x + at.y), half(at.x - at.y)) };
+    let (x, z) = if is_whole { (at.x, at.y) } else { (0.5 * (at.x + at.y), 0.5 * (at.x - at.y)) };
     let y = 1.0 - x.abs() - z.abs();
     let folded =
         |a: f32, b: f32| if y < 0.0 { (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 } } else { a };
@@ -197,7 +196,8 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
 mod tests {
     use super::*;
     use crate::foliage::DressedOrgans;
-    use crate::scene::{Material, Part, Wrap};
+    use crate::scene::Part;
+    use crate::testing::plain;
     use linden_base::mesh::Mesh;
     use linden_base::monitor::Quiet;
     use linden_skeleton::Skeleton;
@@ -223,17 +223,7 @@ mod tests {
                 let faces = if sign > 0.0 { [[0, 1, 2], [0, 2, 3]] } else { [[0, 2, 1], [0, 3, 2]] };
                 mesh.triangles.extend(faces.map(|face| face.map(|corner: u32| first + corner)));
             }
-            materials.push(Material {
-                name: "plain".to_owned(),
-                base_color,
-                base_color_picture: None,
-                normal_picture: None,
-                roughness: 1.0,
-                double_sided: false,
-                cutout: None,
-                wrap: Wrap::Clamp,
-                translucency: None,
-            });
+            materials.push(plain(base_color, false));
             parts.push(Part::new(format!("part{number}"), number, mesh));
         }
         Scene {

@@ -1,23 +1,10 @@
 use glam::{Vec2, Vec3};
 
 use super::*;
+use crate::testing::plain;
 use linden_base::monitor::Quiet;
 use linden_base::picture::Picture;
 use linden_skeleton::Skeleton;
-
-fn material(base_color: [f32; 3], double_sided: bool) -> Material {
-    Material {
-        name: "plain".to_owned(),
-        base_color,
-        base_color_picture: None,
-        normal_picture: None,
-        roughness: 1.0,
-        double_sided,
-        cutout: None,
-        wrap: Wrap::Clamp,
-        translucency: None,
-    }
-}
 
 fn scene(materials: Vec<Material>, meshes: Vec<Mesh>) -> Scene {
     let part = |(material, mesh)| Part::new(format!("part{material}"), material, mesh);
@@ -54,7 +41,7 @@ fn a_pixel_shows_what_the_plane_stands_for() {
     // A red square in front of a green one twice as large; from the side both are lines.
     let front = rectangle(Vec3::new(-0.5, 0.5, 0.2), Vec3::X, Vec3::Y);
     let back = rectangle(Vec3::new(-1.0, 0.0, -0.2), Vec3::X * 2.0, Vec3::Y * 2.0);
-    let materials = vec![material([1.0, 0.0, 0.0], false), material([0.0, 1.0, 0.0], false)];
+    let materials = vec![plain([1.0, 0.0, 0.0], false), plain([0.0, 1.0, 0.0], false)];
     let seen =
         billboard(&scene(materials, vec![front, back]), &Billboard { planes: 1, size_px: 208 }, &Quiet);
     let seen = seen.unwrap();
@@ -89,7 +76,7 @@ fn backs_are_seen_only_where_they_are_to_be() {
     // Looks away from the viewer.
     let turned = rectangle(Vec3::new(1.0, 0.0, 0.0), Vec3::X * -2.0, Vec3::Y * 2.0);
     for double_sided in [false, true] {
-        let rectangle_scene = scene(vec![material([0.5; 3], double_sided)], vec![turned.clone()]);
+        let rectangle_scene = scene(vec![plain([0.5; 3], double_sided)], vec![turned.clone()]);
         let seen = billboard(&rectangle_scene, &Billboard { planes: 1, size_px: 64 }, &Quiet).unwrap();
         let (_, _, color, normal) = pixels(&seen);
         assert_eq!(color.iter().any(|pixel| pixel[3] > 127), double_sided);
@@ -118,7 +105,7 @@ fn a_ball_is_a_disc_from_everywhere() {
             ball.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
-    let ball_scene = scene(vec![material([0.5; 3], false)], vec![ball]);
+    let ball_scene = scene(vec![plain([0.5; 3], false)], vec![ball]);
     let seen = billboard(&ball_scene, &Billboard { planes: 3, size_px: 128 }, &Quiet).unwrap();
     assert_eq!(seen.parts[0].mesh.triangles.len(), 6);
     let (width, height, color, normal) = pixels(&seen);
@@ -154,7 +141,7 @@ fn what_a_picture_cuts_out_is_cut_out_there_too() {
     let leafy = Material {
         base_color_picture: Some(Arc::new(Picture::new(16, 16, rgba))),
         cutout: Some(0.5),
-        ..material([1.0; 3], true)
+        ..plain([1.0; 3], true)
     };
     let card = rectangle(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
     let seen =

@@ -193,7 +193,7 @@ fn inside(first: Vec2, across: Vec2, count: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Wrap;
+    use crate::testing::plain;
     use linden_base::random::Key;
 
     /// A square of so many samples a side, from a corner and so near.
@@ -224,17 +224,7 @@ mod tests {
         };
         let mut canvas = Canvas::new(view.size);
         assert_eq!(canvas.layers(), 1.0);
-        let material = Material {
-            name: "plain".to_owned(),
-            base_color: [0.5; 3],
-            base_color_picture: None,
-            normal_picture: None,
-            roughness: 1.0,
-            double_sided: false,
-            cutout: None,
-            wrap: Wrap::Clamp,
-            translucency: None,
-        };
+        let material = plain([0.5; 3], false);
         let mut lay = |mesh: &Mesh, layers: f32| {
             draw(&mut canvas, &view, mesh, &material, None, &linden_base::monitor::Quiet).unwrap();
             // Samples on the edge that two triangles share are in both.
