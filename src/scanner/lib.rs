@@ -1,4 +1,4 @@
-//! A simulated laser scanner: a grown tree → the points that a scanner on a tripod measures on it, and what each
+//! A simulated laser scanner: grown trees → the points that a scanner on a tripod measures on them, and what each
 //! of them lies on.
 //!
 //! Takes skeletons and organs, gives points and tables; opens no file, reads no clock. The same tree and settings give
@@ -142,8 +142,8 @@ pub fn scan(
 ) -> Result<Scan, ScannerError> {
     settings.check()?;
     let key = Key::new(settings.seed).named("scanner");
-    let stands = Stand::around(target, settings, key)?;
-    let ground = settings.ground.then(|| target.ground(&stands)).flatten();
+    let stands = Stand::of(target, settings, key)?;
+    let ground = settings.ground.then(|| target.ground(&stands, settings.rise())).flatten();
     let seen = target.bounds_with(ground).ok_or(ScannerError::Nothing)?;
     let grids: Vec<Grid> = stands
         .iter()

@@ -139,11 +139,16 @@ pub fn meet(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f6
     (u >= 0.0 && v >= 0.0 && u + v <= 1.0 && range_m > 0.0).then_some(range_m)
 }
 
-fn meet_ground(origin: DVec3, direction: DVec3, Ground { middle, radius_m }: Ground) -> Option<RayEnd> {
-    if direction.y >= 0.0 {
+fn meet_ground(origin: DVec3, direction: DVec3, ground: Ground) -> Option<RayEnd> {
+    // Up from the ground, not of unit length.
+    let up = DVec3::new(-ground.rise, 1.0, 0.0);
+    let falls = -direction.dot(up);
+    if falls <= 0.0 {
         return None;
     }
-    let range_m = (middle.y - origin.y) / direction.y;
-    let is_within = (origin + direction * range_m).distance_squared(middle) <= radius_m * radius_m;
-    (range_m > 0.0 && is_within).then_some(RayEnd { range_m, triangle: None, cos_incidence: -direction.y })
+    let range_m = (origin - ground.middle).dot(up) / falls;
+    let off = origin + direction * range_m - ground.middle;
+    let is_within = off.x * off.x + off.z * off.z <= ground.radius_m * ground.radius_m;
+    let end = RayEnd { range_m, triangle: None, cos_incidence: falls / up.length() };
+    (range_m > 0.0 && is_within).then_some(end)
 }

@@ -42,6 +42,17 @@ impl TreeSizes {
         Self { height_m: measures.height_m, dbh_m: measures.trunk_diameter_m, classes }
     }
 
+    /// Measures a tree that stands somewhere in another size than it grew in.
+    pub fn scaled(skeleton: &Skeleton, scale: f32) -> Self {
+        if scale == 1.0 {
+            return Self::of(skeleton);
+        }
+        let mut scaled = skeleton.clone();
+        scaled.positions.iter_mut().for_each(|position| *position *= scale);
+        scaled.radii.iter_mut().for_each(|radius| *radius *= scale);
+        Self::of(&scaled)
+    }
+
     /// Of all classes.
     pub fn length_m(&self) -> f64 {
         self.classes.iter().map(|class| class.length_m).sum()

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use linden_pipeline::mesh::Bounds;
 use linden_pipeline::random::Key;
 
@@ -27,22 +27,28 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// The stands that the settings ask for, evenly round the foot of the lowest tree, the first in any direction.
+    /// The stands that the settings ask for: evenly round the foot of a tree, the first in any direction; spread evenly among
+    /// the feet of several.
     ///
     /// # Errors
     /// [`ScannerError::Nothing`].
-    pub fn around(target: &Target, settings: &ScannerSettings, key: Key) -> Result<Vec<Self>, ScannerError> {
+    pub fn of(target: &Target, settings: &ScannerSettings, key: Key) -> Result<Vec<Self>, ScannerError> {
         let bounds = target.bounds().ok_or(ScannerError::Nothing)?;
         let foot = target.foot().ok_or(ScannerError::Nothing)?;
-        let away_m = settings.distance * f64::from(bounds.size().y);
         let first = key.named("azimuth").between(0.0, TAU);
-        let stands = (0..settings.positions).map(|number| {
-            let azimuth = first + TAU * f64::from(number) / f64::from(settings.positions);
-            let out = DVec3::new(libm::cos(azimuth), 0.0, libm::sin(azimuth));
-            let key = key.named("registration").child(number.into());
+        let places = if target.feet().len() > 1 {
+            spread(target.feet(), settings.positions, first)
+        } else {
+            let away_m = settings.distance * f64::from(bounds.size().y);
+            let azimuth = |number| first + TAU * f64::from(number) / f64::from(settings.positions);
+            (0..settings.positions).map(|number| foot + away_m * towards(azimuth(number))).collect()
+        };
+        let stands = (0..).zip(places).map(|(number, place)| {
+            let key = key.named("registration").child(number);
             let error = |axis: u64| settings.registration_m * key.child(axis).normal();
+            let ground_m = foot.y + settings.rise() * (place.x - foot.x);
             Self {
-                eye: foot + out * away_m + DVec3::Y * settings.height_m,
+                eye: DVec3::new(place.x, ground_m + settings.height_m, place.z),
                 shift: DVec3::new(error(0), error(1), error(2)),
                 turn: error(3) * TURN_PER_M,
             }
@@ -56,6 +62,36 @@ impl Stand {
         let DVec3 { x, y, z } = at - self.eye;
         self.eye + DVec3::new(x * cos - z * sin, y, x * sin + z * cos) + self.shift
     }
+}
+
+/// The level unit vector of an azimuth.
+fn towards(azimuth: f64) -> DVec3 {
+    DVec3::new(libm::cos(azimuth), 0.0, libm::sin(azimuth))
+}
+
+/// Places among feet: a spiral of equal areas (Vogel 1979, *A better way to construct the sunflower head*) over the disc
+/// round them, each moved out of the way of stems.
+fn spread(feet: &[Vec3], count: u32, first: f64) -> Vec<DVec3> {
+    /// An instrument stands no nearer to the middle of a stem, metres.
+    const CLEAR_M: f64 = 1.2;
+    let level = |foot: &Vec3| DVec3::new(f64::from(foot.x), 0.0, f64::from(foot.z));
+    let middle = feet.iter().map(level).sum::<DVec3>() / feet.len() as f64;
+    let radius_m = feet.iter().map(|foot| level(foot).distance(middle)).fold(0.0, f64::max);
+    let turn = PI * (3.0 - libm::sqrt(5.0));
+    (0..count)
+        .map(|number| {
+            let out_m = radius_m * libm::sqrt((f64::from(number) + 0.5) / f64::from(count));
+            let mut place = middle + out_m * towards(first + turn * f64::from(number));
+            // Out of the way of one stem may be in the way of another: some rounds are enough where there is room.
+            for _ in 0..16 {
+                let off = |foot: &DVec3| foot.distance_squared(place);
+                let nearest = feet.iter().map(level).min_by(|a, b| off(a).total_cmp(&off(b)));
+                let Some(nearest) = nearest.filter(|foot| foot.distance(place) < CLEAR_M) else { break };
+                place = nearest + CLEAR_M * (place - nearest).try_normalize().unwrap_or(DVec3::X);
+            }
+            place
+        })
+        .collect()
 }
 
 /// The directions of a stand's pulses: rows of even elevation, in each columns of even azimuth.

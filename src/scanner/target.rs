@@ -5,6 +5,7 @@ use linden_pipeline::foliage::Shaper;
 use linden_pipeline::grow::Grown;
 use linden_pipeline::memory::bytes_of;
 use linden_pipeline::mesh::{Bounds, Mesh};
+use linden_pipeline::stage::Place;
 use linden_pipeline::surface::{Junction, Tubes, count, sweep};
 use linden_pipeline::{Monitor, Skeleton};
 
@@ -51,13 +52,15 @@ impl Truth {
     pub const GROUND: Self = Self { tree: 0, what: WhatIsHit::Ground, axis: -1, order: -1 };
 }
 
-/// Level ground: a disc.
+/// Level or sloping ground: what lies within a distance of its middle, seen from above.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Its middle.
     pub middle: DVec3,
     /// Metres.
     pub radius_m: f64,
+    /// Metres that it rises along each metre of x.
+    pub rise: f64,
 }
 
 /// Triangles with their truths.
@@ -69,9 +72,8 @@ pub struct Target {
     pub owners: Vec<u32>,
     /// What triangles are.
     pub truths: Vec<Truth>,
-    trees: u32,
-    /// The lowest foot.
-    foot: Option<Vec3>,
+    /// The foot of each tree.
+    feet: Vec<Vec3>,
 }
 
 impl Target {
@@ -87,12 +89,29 @@ impl Target {
         leaves: bool,
         monitor: &dyn Monitor,
     ) -> Result<(), ScannerError> {
+        self.add_at(&Place::origin(0), grown, tubes, leaves, monitor)
+    }
+
+    /// The same at a place of a forest.
+    ///
+    /// # Errors
+    /// [`ScannerError`]: too large, or cancelled.
+    pub fn add_at(
+        &mut self,
+        place: &Place,
+        grown: &Grown,
+        tubes: &Tubes,
+        leaves: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ScannerError> {
+        let first = self.triangles.len();
         let skeleton = &grown.skeleton;
         let mut tubes = *tubes;
         if tubes.junction == Junction::Watertight {
             tubes.junction = Junction::Overlap;
         }
-        self.trees += 1;
+        let foot = skeleton.axes.iter().find_map(|axis| skeleton.nodes_of(axis).first());
+        self.feet.push(foot.map_or(Vec3::ZERO, |&foot| skeleton.positions[foot as usize]));
         let mesh = sweep(skeleton, &tubes, monitor)?;
         let of_axes = count(skeleton, &tubes, monitor)?;
         self.admit(mesh.triangles.len(), monitor)?;
@@ -106,10 +125,11 @@ impl Target {
         if leaves {
             self.add_leaves(grown, monitor)?;
         }
-        let feet = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).first()).take(1);
-        for &foot in feet {
-            let foot = skeleton.positions[foot as usize];
-            self.foot = Some(self.foot.filter(|lowest| lowest.y <= foot.y).unwrap_or(foot));
+        if let Some(motion) = place.motion() {
+            let feet = self.feet.iter_mut().rev().take(1);
+            for corner in self.triangles[first..].iter_mut().flatten().chain(feet) {
+                *corner = motion.point(*corner);
+            }
         }
         Ok(())
     }
@@ -143,7 +163,7 @@ impl Target {
 
     fn truth(&self, skeleton: &Skeleton, axis: u32, what: WhatIsHit) -> Truth {
         let order = skeleton.axes.get(axis as usize).map_or(0, |axis| axis.order);
-        Truth { tree: self.trees, what, axis: axis as i32, order: order as i32 }
+        Truth { tree: self.feet.len() as u32, what, axis: axis as i32, order: order as i32 }
     }
 
     fn add_mesh(&mut self, mesh: &Mesh, triangles: &[[u32; 3]], truth: Truth) {
@@ -172,27 +192,35 @@ impl Target {
     /// The same with the ground.
     pub fn bounds_with(&self, ground: Option<Ground>) -> Option<Bounds> {
         let bounds = self.bounds()?;
-        Some(ground.map_or(bounds, |Ground { middle, radius_m }| {
-            let out = DVec3::new(radius_m, 0.0, radius_m);
+        Some(ground.map_or(bounds, |Ground { middle, radius_m, rise }| {
+            let out = DVec3::new(radius_m, radius_m * rise.abs(), radius_m);
             let (min, max) = ((middle - out).as_vec3(), (middle + out).as_vec3());
             bounds.union(Bounds { min, max })
         }))
     }
 
-    /// Where the lowest tree stands.
-    pub fn foot(&self) -> Option<DVec3> {
-        self.foot.map(Vec3::as_dvec3)
+    /// The foot of each tree, in the order in which they were added.
+    pub fn feet(&self) -> &[Vec3] {
+        &self.feet
     }
 
-    /// Ground at the foot of the lowest tree, as wide as the trees and a metre, and not under the stands.
-    pub fn ground(&self, stands: &[Stand]) -> Option<Ground> {
+    /// Where the lowest tree stands, of equals the first.
+    pub fn foot(&self) -> Option<DVec3> {
+        let lowest = self.feet.iter().reduce(|lowest, foot| if foot.y < lowest.y { foot } else { lowest });
+        lowest.copied().map(Vec3::as_dvec3)
+    }
+
+    /// Ground through the foot of the lowest tree, as wide as the trees and a metre. Stands round a tree by itself have none
+    /// under them.
+    pub fn ground(&self, stands: &[Stand], rise: f64) -> Option<Ground> {
         let (bounds, foot) = (self.bounds()?, self.foot()?);
         let middle = (bounds.min + bounds.max).as_dvec3() * 0.5;
-        let middle = DVec3::new(middle.x, foot.y, middle.z);
-        let off = |stand: &Stand| DVec3::new(stand.eye.x, middle.y, stand.eye.z).distance(middle);
-        let nearest = stands.iter().map(off).fold(f64::INFINITY, f64::min);
+        let middle = DVec3::new(middle.x, foot.y + rise * (middle.x - foot.x), middle.z);
         let size = bounds.size().as_dvec3();
-        let radius_m = (0.5 * libm::hypot(size.x, size.z) + 1.0).min(0.9 * nearest);
-        Some(Ground { middle, radius_m })
+        let widest_m = 0.5 * libm::hypot(size.x, size.z) + 1.0;
+        let off = |stand: &Stand| DVec3::new(stand.eye.x, middle.y, stand.eye.z).distance(middle);
+        let nearest_m = stands.iter().map(off).fold(f64::INFINITY, f64::min);
+        let radius_m = if self.feet.len() > 1 { widest_m } else { widest_m.min(0.9 * nearest_m) };
+        Some(Ground { middle, radius_m, rise })
     }
 }

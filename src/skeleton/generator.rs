@@ -182,9 +182,12 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         false
     }
 
-    /// The trees that their input tells apart, where a knob picks one of them and is not turned.
-    fn trees(&self, _inputs: &Inputs) -> Option<InputTrees> {
-        None
+    /// The trees that their input tells apart, where a knob picks one of several and is not turned.
+    ///
+    /// # Errors
+    /// [`GeneratorError`]: the input cannot be divided as they ask for, memory, cancelled.
+    fn trees(&self, _inputs: &Inputs, _monitor: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
+        Ok(None)
     }
 
     /// The same with every knob at its default.

@@ -218,3 +218,121 @@ fn trees_of_a_table_of_cylinders_are_told_apart_too() {
         assert!((found - std::f64::consts::PI * volume).abs() < 1e-6, "{number}: {found}");
     }
 }
+
+/// A small wood, its trees near enough to touch.
+const WOOD: &str = r#"
+name = "Three"
+area = 7
+spacing = 4
+trees = 4
+distinct = 1
+seed = 4
+[[tree]]
+preset = "simple"
+set = { points = 60 }
+"#;
+
+#[test]
+fn a_plot_that_nobody_segmented_is_divided_by_its_stems() {
+    let folder = Folder::new();
+    folder.write("wood.toml", WOOD);
+    let scan = ["scan", "wood.toml", "-o", "plot.laz", "--truth", "truth.csv", "--ground", "--slope=12"];
+    let said = folder.run(&[&scan[..], &["--positions=5", "--step=0.3", "--beam=0"]].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    // What is known: where each tree stands, in the axes of LAZ, and how it measures.
+    let truth = String::from_utf8(folder.read("truth.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = truth.lines().map(|line| line.split(',').collect()).collect();
+    let of = |row: &Vec<&str>, name: &str| -> f64 {
+        row[rows[0].iter().position(|found| *found == name).unwrap()].parse().unwrap()
+    };
+    let trees: Vec<([f64; 3], f64, f64)> = rows[1..]
+        .iter()
+        .map(|row| {
+            let foot = [of(row, "foot_x_m"), -of(row, "foot_z_m"), of(row, "foot_y_m")];
+            (foot, of(row, "height_m"), of(row, "dbh_m"))
+        })
+        .collect();
+    assert!(trees.len() >= 3, "{truth}");
+    // They stand on the slope: the tangent of 12°.
+    for ([x, _, z], ..) in &trees {
+        assert!((z - x * 0.212_556_6).abs() < 1e-3, "{truth}");
+    }
+    // Without the column it is one tree; with it, or by its stems, there are as many as were scanned.
+    let by_column = folder.run(&["show", "plot.laz"]).out;
+    assert!(by_column.contains(&format!("'treeID': {} trees", trees.len())), "{by_column}");
+    let of_threads = |threads: &str, folder_name: &str| {
+        let mut command = crate::program::linden();
+        command.args([
+            "export",
+            "plot.laz",
+            "--set=segmentation=paths",
+            "--format=ply-skeleton",
+            "--mkdir",
+            "-o",
+        ]);
+        let done = command.arg(folder_name).current_dir(folder.path()).env("RAYON_NUM_THREADS", threads);
+        let done = done.output().unwrap();
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        folder.read(&format!("{folder_name}trees.csv"))
+    };
+    let written = of_threads("2", "trees/");
+    let found = table(&written);
+    assert_eq!(found.len(), trees.len());
+    for (number, row) in &found {
+        let cell = |name: &str| row[name].parse::<f64>().unwrap_or_else(|_| panic!("{name} of {row:?}"));
+        let foot = ["foot_x", "foot_y", "foot_z"].map(cell);
+        let off = |tree: &&([f64; 3], f64, f64)| {
+            let (x, y) = (tree.0[0] - foot[0], tree.0[1] - foot[1]);
+            (x * x + y * y).sqrt()
+        };
+        let nearest = trees.iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
+        assert!(off(&nearest) < 0.2 && (nearest.0[2] - foot[2]).abs() < 0.3, "{number}: {foot:?} {truth}");
+        assert!((cell("height_m") / nearest.1 - 1.0).abs() < 0.12, "{number}: {row:?}");
+        assert!((cell("trunk_diameter_m") / nearest.2 - 1.0).abs() < 0.2, "{number}: {row:?} {truth}");
+    }
+    assert!(of_threads("1", "again/") == written);
+    // One of them, asked for: the same.
+    succeed(
+        &folder,
+        &[
+            "export",
+            "plot.laz",
+            "--set=segmentation=paths",
+            "--set=tree=2",
+            "-o",
+            "two.ply",
+            "--format=ply-skeleton",
+        ],
+    );
+    assert!(folder.read("two.ply") == folder.read(&format!("trees/{}", found[&2]["files"])));
+}
+
+#[test]
+fn what_shows_no_stems_is_not_divided_by_them() {
+    let folder = Folder::new();
+    folder.write("plot.csv", plot(&folder).as_bytes());
+    let level = (0..400).fold(String::new(), |text, i| text + &format!("{} {} 0\n", i % 20, i / 20));
+    folder.write("ground.xyz", &level);
+    folder.write("canopy.asc", "ncols 2\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 1\n9 0\n0 0\n");
+    for (arguments, expected) in [
+        (
+            &["ground.xyz"][..],
+            "ground.xyz: no stem of a tree stands on the ground there; are scale= and up= right",
+        ),
+        (&["canopy.asc"], "canopy.asc: a grid of heights shows no stems; segmentation=column"),
+        (
+            &["plot.csv", "--set=instance=treeID"],
+            "instance names a column that tells trees apart; leave out one of both",
+        ),
+    ] {
+        for output in ["trees/", "one.glb"] {
+            let rest = ["--set=segmentation=paths", "--mkdir", "-o", output];
+            let said = folder.run(&[&["export"], arguments, &rest].concat());
+            assert!(said.code == Some(1) && said.err.contains(expected), "{arguments:?}: {}", said.err);
+            assert!(!folder.names().iter().any(|name| name == "trees" || name == "one.glb"));
+        }
+    }
+    // Without a column, what would help is said.
+    let said = folder.run(&["stats", "ground.xyz", "--set=tree=1"]);
+    assert!(said.err.contains("segmentation=paths finds the trees by their stems"), "{}", said.err);
+}

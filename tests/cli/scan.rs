@@ -70,9 +70,21 @@ fn what_cannot_be_scanned_is_said() {
         (&["-o", "-", "--truth", "-"], "only one of -o and --truth"),
         (&["--step", "0.001", "--positions", "64", "--distance", "0.1", "-o", "a.ply"], "pulses, more than"),
         (&["-o", "no/such/a.ply"], "--mkdir"),
+        (&["--slope", "70", "-o", "a.ply"], "--slope 70: expected -60 to 60 degrees"),
     ] {
         let said = folder.run(&[&["scan", "simple", "--set=points=30"], more].concat());
         assert!(said.code != Some(0) && said.err.contains(part), "{more:?}: {}", said.err);
         assert!(folder.names().is_empty(), "{more:?}");
+    }
+    for (more, part) in [
+        (
+            &["--distance=2"][..],
+            "--distance is for one tree: the stands of orchard are spread among its trees",
+        ),
+        (&["--age=0.5"], "--age is for one tree"),
+        (&["--set=nothing=1"], "nothing"),
+    ] {
+        let said = folder.run(&[&["scan", "orchard", "-o", "a.ply"], more].concat());
+        assert!(said.code == Some(2) && said.err.contains(part), "{more:?}: {}", said.err);
     }
 }

@@ -3,4 +3,5 @@
 #![allow(clippy::unwrap_used, reason = "what the tests share may fail them too")]
 
 mod closed_loop;
+mod plots;
 mod scanner;

@@ -63,7 +63,7 @@ fn distance(p: DVec3, corners: [Vec3; 3]) -> f64 {
 fn the_first_hit_is_the_nearest_of_all_triangles() {
     let target = target(true);
     let settings = exact();
-    let stands = Stand::around(&target, &settings, linden::random::Key::new(5)).unwrap();
+    let stands = Stand::of(&target, &settings, linden::random::Key::new(5)).unwrap();
     let rays = Rays::new(&target, None, &stands, &Quiet).unwrap();
     let (mut hits, mut misses) = (0, 0);
     for (stand, number) in stands.iter().zip(0..) {

@@ -8,6 +8,7 @@ use clap::Args;
 use linden::dress::{levels, year};
 use linden::monitor::Holding;
 use linden::preset::InputTrees;
+use linden::recipe::Recipe;
 use linden::season::Season;
 use linden::texture::DrawnPictures;
 use linden_exporters::{Batch, Exporter, REGISTRY};
@@ -139,9 +140,12 @@ impl Export {
             return side_by_side(&sources, &settings, written, &progress);
         }
         let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
-        let trees = source.recipe.preset.trees(&source.recipe.inputs).filter(|trees| trees.numbers.len() > 1);
-        if let (Some(trees), true) = (trees, self.outputs.folder().is_some()) {
-            return self.plot(source, trees, &settings, &of_formats, &progress);
+        if self.outputs.folder().is_some() {
+            let Recipe { preset, inputs, .. } = &source.recipe;
+            let trees = preset.trees(inputs, &progress).with_context(|| source.shown.clone())?;
+            if let Some(trees) = trees {
+                return self.plot(source, trees, &settings, &of_formats, &progress);
+            }
         }
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));

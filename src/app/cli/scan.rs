@@ -1,13 +1,16 @@
-//! `linden scan`: what a laser scanner would measure on a tree, and what each point lies on.
+//! `linden scan`: what a laser scanner would measure on a tree or in a forest, and what each point lies on.
 
 use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use linden::grow::Grown;
+use linden::forest::Forest;
+use linden::grow::grow;
 use linden::knob::printable;
+use linden::preset::Preset;
 use linden::scanner::sizes::TreeSizes;
 use linden::scanner::{self, ScannerError, ScannerSettings, Target, laz, ply};
+use linden::surface::Tubes;
 use linden_exporters::commit_all;
 
 use super::GrowArgs;
@@ -16,22 +19,29 @@ use super::placing::{Placing, as_sole_output, explained, is_dash, is_folder};
 use crate::exit::usage;
 use crate::progress::Progress;
 use crate::source::Source;
+use crate::source::forest::{ForestFile, turn};
 
 /// Sides of the thickest rings that are scanned: with fewer, a mesh holds less wood than the cylinders of its tree.
 const SIDES: u32 = 64;
 
+/// The same of each tree of a forest, which is as large as many.
+const SIDES_IN_A_FOREST: u32 = 16;
+
 /// Points that are written at once.
 const POINTS_PER_PIECE: usize = 1 << 16;
 
-/// Scan a source as a laser scanner would
+/// Scan a tree or a forest as a laser scanner would
 ///
-/// Grows the tree, sets up a scanner at several places around it and sends pulses at its wood; what stands behind
+/// Grows it, sets up a scanner at several places around it and sends pulses at its wood; what stands behind
 /// something is not seen. The file is a binary PLY, Y up, or a LAZ, Z up, in metres: of each point the place as measured, and in truth the
 /// tree, the part (0 ground, 1 wood, 2 leaf), the axis and its order, the stand and the echo. 'linden export scan.ply -o
 /// back.glb' grows a tree into it.
 ///
 /// The wood is scanned with 64 sides, neither tapering twigs nor smoothed widths, so that it is what its cylinders are
 /// ('linden export SOURCE -o truth.csv' has them), unless --set turns these.
+///
+/// A forest (its id or document) is scanned from stands among its trees, with 16 sides; its points say which tree they
+/// lie on. 'linden export scan.laz -o trees/' grows each.
 #[derive(Args)]
 pub struct Scan {
     #[command(flatten)]
@@ -46,13 +56,13 @@ pub struct Scan {
     #[arg(long, value_name = "FILE")]
     truth: Option<PathBuf>,
 
-    /// Stands, evenly round the tree: 1 to 64
+    /// Stands, evenly round the tree or spread among the trees of a forest: 1 to 64
     #[arg(long, value_name = "N", default_value_t = ScannerSettings::default().positions)]
     positions: u32,
 
-    /// From the tree to each stand, in heights of the tree: 0.1 to 20
-    #[arg(long, value_name = "X", default_value_t = ScannerSettings::default().distance, allow_negative_numbers = true)]
-    distance: f64,
+    /// From the tree to each stand, in heights of the tree: 0.1 to 20; 0.8 when not given. Not for forests
+    #[arg(long, value_name = "X", allow_negative_numbers = true)]
+    distance: Option<f64>,
 
     /// Of the instrument above the foot of the tree, metres
     #[arg(long, value_name = "M", default_value_t = ScannerSettings::default().height_m, allow_negative_numbers = true)]
@@ -80,9 +90,13 @@ pub struct Scan {
     #[arg(long)]
     leaves: bool,
 
-    /// Level ground around the foot
+    /// Scan the ground too
     #[arg(long)]
     ground: bool,
+
+    /// The ground, and what stands on it, rises along x by so many degrees: -60 to 60
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_negative_numbers = true)]
+    slope: f64,
 
     /// The root of the scanner's random choices; the tree's is --seed
     #[arg(long = "scan-seed", value_name = "N", default_value_t = ScannerSettings::default().seed)]
@@ -102,10 +116,9 @@ impl Scan {
             }
             other => other.into(),
         })?;
-        let pairs = self.growing.pairs()?;
-        let source = self.growing.resolve_with(&pairs, &progress)?;
+        let subject = self.subject(&progress)?;
         let output = if is_folder(&self.output) {
-            self.output.join(format!("{}-scan.ply", linden_exporters::plain_stem(&source.recipe.preset.id)))
+            self.output.join(format!("{}-scan.ply", linden_exporters::plain_stem(subject.id())))
         } else {
             self.output.clone()
         };
@@ -126,10 +139,11 @@ impl Scan {
         let mut points_file = self.placing.bundle(&output).map_err(explained)?;
         let mut truth_file =
             self.truth.as_deref().map(|path| self.placing.bundle(path)).transpose().map_err(explained)?;
-        let grown = super::grown(&source, &progress)?;
-        let scan = self.scanned(&source, &grown, &pairs, &settings, &progress)?;
+        let (target, truth) = self.target(&subject, &progress)?;
+        let scan = scanner::scan(&target, &settings, &progress).with_context(|| subject.shown())?;
+        drop(target);
         progress.clear();
-        let comment = self.comment(&source);
+        let comment = self.comment(&subject, &settings);
         let packed = is_laz.then(|| laz::file(&scan, &comment, &progress)).transpose()?;
         let header = ply::header(&scan, &comment);
         let bytes = packed.as_ref().map_or(header.len() + scan.points.len() * ply::ROW, Vec::len);
@@ -145,9 +159,8 @@ impl Scan {
         });
         done.map_err(if is_dash(&output) { as_sole_output } else { explained })?;
         if let Some(file) = &mut truth_file {
-            let text = truth_table(&source, &grown);
             let done =
-                file.write_main(Some(text.len() as u64), &progress, |sink| sink.write(text.as_bytes()));
+                file.write_main(Some(truth.len() as u64), &progress, |sink| sink.write(truth.as_bytes()));
             done.map_err(if self.truth.as_deref().is_some_and(is_dash) {
                 as_sole_output
             } else {
@@ -171,29 +184,89 @@ impl Scan {
     fn settings(&self) -> ScannerSettings {
         let mut settings = ScannerSettings::default();
         settings.positions = self.positions;
-        settings.distance = self.distance;
+        settings.distance = self.distance.unwrap_or(settings.distance);
         settings.height_m = self.height;
         settings.step_deg = self.step;
         settings.noise_m = 1e-3 * self.noise;
         settings.beam_rad = 1e-3 * self.beam;
         settings.registration_m = 1e-3 * self.registration;
         settings.ground = self.ground;
+        settings.slope_deg = self.slope;
         settings.seed = self.drawn_from;
         settings
     }
 
-    fn scanned(
-        &self,
-        source: &Source,
-        grown: &Grown,
-        pairs: &[(String, String)],
-        settings: &ScannerSettings,
-        progress: &Progress,
-    ) -> anyhow::Result<scanner::Scan> {
+    /// The tree or the forest, its knobs turned.
+    fn subject(&self, progress: &Progress) -> anyhow::Result<Subject> {
+        let pairs = self.growing.pairs()?;
+        let named = self.growing.source.to_str();
+        let Some(file) = named.map(|named| ForestFile::find(named, progress)).transpose()?.flatten() else {
+            return Ok(Subject::Tree(Box::new(self.growing.resolve_with(&pairs, progress)?)));
+        };
+        let shown = file.shown();
+        let instead = "turn it in the forest's document";
+        self.growing.without_defines(instead)?;
+        self.growing.without_edits(instead)?;
+        self.growing.without_age(instead)?;
+        if self.distance.is_some() {
+            return Err(usage(format!(
+                "--distance is for one tree: the stands of {shown} are spread among its trees; --positions says how many"
+            )));
+        }
+        let mut forest = super::forest::resolved(file, progress)?;
+        for (name, value) in &pairs {
+            turn(&mut forest, name, value)?;
+        }
+        Ok(Subject::Forest(Box::new(forest)))
+    }
+
+    /// What is scanned, and the table of what it truly is.
+    fn target(&self, subject: &Subject, progress: &Progress) -> anyhow::Result<(Target, String)> {
+        let mut target = Target::default();
+        let mut truth = format!("tree,source,seed,foot_x_m,foot_y_m,foot_z_m,{}\n", TreeSizes::header());
+        match subject {
+            Subject::Tree(source) => {
+                let grown = super::grown(source, progress)?;
+                if self.leaves && grown.organs.is_empty() {
+                    super::notes(&[format!("{} has no leaves to scan", source.shown)], progress);
+                }
+                let tubes = self.tubes(&source.recipe.preset, SIDES)?;
+                target.add(&grown, &tubes, self.leaves, progress).with_context(|| source.shown.clone())?;
+                truth += &truth_row(&target, &source.recipe.preset, &TreeSizes::of(&grown.skeleton));
+            }
+            Subject::Forest(forest) => {
+                let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
+                let mut grown = Vec::new();
+                for tree in &plan.trees {
+                    let one = grow(&tree.recipe, progress).with_context(|| tree.name.clone())?;
+                    let about: Vec<String> =
+                        one.notes.iter().map(|note| format!("{}: {note}", tree.name)).collect();
+                    super::notes(&about, progress);
+                    grown.push(one);
+                }
+                let rise = self.settings().rise() as f32;
+                for place in &plan.places {
+                    let mut place = *place;
+                    place.position.y += rise * place.position.x;
+                    let (preset, one) = (&plan.trees[place.plant].recipe.preset, &grown[place.plant]);
+                    let tubes = self.tubes(preset, SIDES_IN_A_FOREST)?;
+                    target
+                        .add_at(&place, one, &tubes, self.leaves, progress)
+                        .with_context(|| plan.trees[place.plant].name.clone())?;
+                    truth += &truth_row(&target, preset, &TreeSizes::scaled(&one.skeleton, place.scale));
+                }
+            }
+        }
+        Ok((target, truth))
+    }
+
+    /// The surface of wood that is what its cylinders are, but for what was asked for otherwise.
+    fn tubes(&self, preset: &Preset, sides: u32) -> anyhow::Result<Tubes> {
+        let pairs = self.growing.pairs()?;
         let is_turned = |knob: &str| pairs.iter().any(|(name, _)| name == knob);
-        let mut tubes = source.recipe.preset.dressing.tubes;
+        let mut tubes = preset.dressing.tubes;
         if !is_turned("sides") {
-            tubes.sides = SIDES;
+            tubes.sides = sides;
         }
         if !is_turned("twig_taper") {
             tubes.features.twig_taper = 0.0;
@@ -201,31 +274,58 @@ impl Scan {
         if !is_turned("width_smoothing") {
             tubes.width_smoothing = 0.0;
         }
-        if self.leaves && grown.organs.is_empty() {
-            super::notes(&[format!("{} has no leaves to scan", source.shown)], progress);
-        }
-        let mut target = Target::default();
-        target.add(grown, &tubes, self.leaves, progress).with_context(|| source.shown.clone())?;
-        scanner::scan(&target, settings, progress).with_context(|| source.shown.clone())
+        Ok(tubes)
     }
 
     /// What the file says of itself.
-    fn comment(&self, source: &Source) -> String {
-        let Self { positions, distance, step, noise, beam, registration, drawn_from, .. } = self;
+    fn comment(&self, subject: &Subject, settings: &ScannerSettings) -> String {
+        let Self { positions, step, noise, beam, registration, drawn_from, slope, .. } = self;
+        let (id, seed) = (printable(subject.id()), subject.seed());
+        let distance = match subject {
+            Subject::Tree(_) => format!(" distance {},", settings.distance),
+            Subject::Forest(_) => String::new(),
+        };
+        let slope = if *slope == 0.0 { String::new() } else { format!(" slope {slope} deg,") };
         format!(
-            "linden scan {} seed {}: positions {positions}, distance {distance}, step {step} deg, noise {noise} mm, beam {beam} mrad, registration {registration} mm, scan-seed {drawn_from}",
-            printable(&source.recipe.preset.id),
-            source.recipe.preset.seed()
+            "linden scan {id} seed {seed}: positions {positions},{distance}{slope} step {step} deg, noise {noise} mm, beam {beam} mrad, registration {registration} mm, scan-seed {drawn_from}"
         )
     }
 }
 
-/// A row for each tree.
-fn truth_table(source: &Source, grown: &Grown) -> String {
+/// What is scanned.
+enum Subject {
+    Tree(Box<Source>),
+    Forest(Box<Forest>),
+}
+
+impl Subject {
+    fn id(&self) -> &str {
+        match self {
+            Self::Tree(source) => &source.recipe.preset.id,
+            Self::Forest(forest) => &forest.id,
+        }
+    }
+
+    fn seed(&self) -> u64 {
+        match self {
+            Self::Tree(source) => source.recipe.preset.seed(),
+            Self::Forest(forest) => forest.layout.seed,
+        }
+    }
+
+    fn shown(&self) -> String {
+        match self {
+            Self::Tree(source) => source.shown.clone(),
+            Self::Forest(forest) => forest.id.clone(),
+        }
+    }
+}
+
+/// The row of the tree that was added last.
+fn truth_row(target: &Target, preset: &Preset, sizes: &TreeSizes) -> String {
     // Ids of presets are words; what is not cannot be quoted wrongly either.
-    let id: String =
-        source.recipe.preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
-    let seed = source.recipe.preset.seed();
-    let sizes = TreeSizes::of(&grown.skeleton);
-    format!("tree,source,seed,{}\n1,{id},{seed},{}\n", TreeSizes::header(), sizes.row())
+    let id: String = preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
+    let foot = target.feet().last().copied().unwrap_or_default();
+    let place = format!("{:.4},{:.4},{:.4}", foot.x, foot.y, foot.z);
+    format!("{},{id},{},{place},{}\n", target.feet().len(), preset.seed(), sizes.row())
 }

@@ -1,5 +1,7 @@
 //! Points, with the numbers of the trees that a segmentation gave them to.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::DVec3;
 
 use super::{READING, READING_ADVICE};
@@ -15,6 +17,56 @@ pub struct Cloud {
     pub trees: Vec<TreeColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
+    /// What was worked out from the positions last, so that it is worked out once.
+    pub told: Told,
+}
+
+/// A column that follows from positions and some rule, kept for whoever asks by the same rule again. It is no part of what
+/// a cloud is: clouds with and without are equal.
+#[derive(Clone, Debug, Default)]
+pub struct Told(Arc<Mutex<Option<Kept>>>);
+
+#[derive(Clone, Debug)]
+struct Kept {
+    rule: String,
+    column: Arc<TreeColumn>,
+}
+
+impl PartialEq for Told {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl Told {
+    /// The column by a rule, if it is the last that was worked out.
+    pub fn peek(&self, rule: &str) -> Option<Arc<TreeColumn>> {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.as_ref().filter(|kept| kept.rule == rule).map(|kept| kept.column.clone())
+    }
+
+    /// The column by a rule, which `work_out` gives if nobody asked for it before.
+    ///
+    /// # Errors
+    /// Those of `work_out`.
+    pub fn get<E>(
+        &self,
+        rule: &str,
+        work_out: impl FnOnce() -> Result<TreeColumn, E>,
+    ) -> Result<Arc<TreeColumn>, E> {
+        if let Some(column) = self.peek(rule) {
+            return Ok(column);
+        }
+        let column = Arc::new(work_out()?);
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        *kept = Some(Kept { rule: rule.to_owned(), column: column.clone() });
+        Ok(column)
+    }
+
+    fn bytes(&self) -> u64 {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.as_ref().map_or(0, |kept| bytes_of::<u32>(kept.column.numbers.capacity()))
+    }
 }
 
 /// The number of the tree that each point belongs to.
@@ -30,7 +82,7 @@ impl Cloud {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
-        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>()
+        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>() + self.told.bytes()
     }
 }
 

@@ -75,7 +75,7 @@ pub fn read_grid(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputErro
     if positions.is_empty() {
         return Err(whole(format!("none of its {count} cells has a value")));
     }
-    Ok(Cloud { positions, trees: Vec::new(), cell: Some(header.cell) })
+    Ok(Cloud { positions, cell: Some(header.cell), ..Cloud::default() })
 }
 
 impl Header {

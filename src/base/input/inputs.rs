@@ -135,7 +135,7 @@ impl Input {
             InputKind::PlyMesh | InputKind::PlyPoints => {
                 let PlyData { positions, faces: triangles, trees } = read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
-                    Geometry::Points(Arc::new(Cloud { positions, trees, cell: None }))
+                    Geometry::Points(Arc::new(Cloud { positions, trees, ..Cloud::default() }))
                 } else {
                     Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
                 };

@@ -91,7 +91,7 @@ fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> 
             "none of its {total} records is a point that is not withheld and no noise"
         )));
     }
-    Ok(Cloud { positions: points, trees: columns.finish(), cell: None })
+    Ok(Cloud { positions: points, trees: columns.finish(), ..Cloud::default() })
 }
 
 /// One of the further values of each record, which the format calls extra bytes and describes in a record of its own

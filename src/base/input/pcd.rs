@@ -77,7 +77,7 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
     if points.positions.is_empty() {
         return Err(whole(&format!("none of its {} points has a place", header.points)));
     }
-    Ok(Cloud { positions: points.positions, trees: points.trees.finish(), cell: None })
+    Ok(Cloud { positions: points.positions, trees: points.trees.finish(), ..Cloud::default() })
 }
 
 /// What is read of the points.

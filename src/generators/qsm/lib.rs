@@ -185,11 +185,15 @@ impl Settings for QsmSettings {
         vec![Passage { heading: "cylinders", lines: vec![line] }]
     }
 
-    fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
-        let (table, _) = self.table(inputs).ok().filter(|_| self.table_tree == 0)?;
-        let counts = table.trees.iter().map(Vec::len);
-        let (told_by, numbers) = (printable(&self.file), (1..).zip(counts).collect());
-        Some(InputTrees { knob: "table_tree", told_by, made_of: "cylinders", numbers })
+    fn trees(&self, inputs: &Inputs, _: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
+        // What is wrong with a table is said by who grows it.
+        let of_table = |(table, _): (&CylinderTable, _)| {
+            let counts = table.trees.iter().map(Vec::len);
+            let (told_by, numbers) = (printable(&self.file), (1..).zip(counts).collect());
+            InputTrees { knob: "table_tree", told_by, made_of: "cylinders", numbers }
+        };
+        let trees = self.table(inputs).ok().filter(|_| self.table_tree == 0).map(of_table);
+        Ok(trees.filter(|trees| trees.numbers.len() > 1))
     }
 
     fn traits(&self, _: &Wood) -> Traits {

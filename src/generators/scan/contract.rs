@@ -32,6 +32,9 @@ const BRIDGES: usize = 6;
 /// Bridges beyond the spanning tree's are looked for within this many reaches.
 const BRIDGE_REACH: f64 = 10.0;
 
+/// Where a way came from is told so many links back.
+const BACK: usize = 10;
+
 /// Points and the links along which distances are measured.
 pub(super) struct Graph {
     pub points: Vec<DVec3>,
@@ -45,10 +48,51 @@ pub(super) struct Graph {
 
 /// The shortest way from the foot to each point.
 pub(super) struct Ways {
-    /// Its length, metres.
+    /// Its length, metres; infinite where no way leads.
     pub length: Vec<f64>,
     /// The point before; itself at the foot.
     pub before: Vec<u32>,
+    /// The group of the place where it starts.
+    pub group: Vec<u32>,
+}
+
+/// A place where ways start.
+pub(super) struct Start {
+    /// Metres that they have come already.
+    pub length: f64,
+    /// Ways of different groups need not cost the same.
+    pub group: u32,
+}
+
+/// What ways cost.
+pub(super) struct Cost<'a> {
+    /// A metre of each group.
+    pub per_metre: &'a [f64],
+    /// What counts for more metres counts by the square.
+    pub linear_m: f64,
+    /// Across where a way came from a metre counts for so many more.
+    pub turn: f64,
+}
+
+impl Cost<'_> {
+    fn bends(&self) -> bool {
+        self.turn != 0.0
+    }
+}
+
+impl Ways {
+    /// The longest link on the way to each point, metres.
+    pub fn widest_gaps_m(&self, graph: &Graph) -> Vec<f64> {
+        let mut order: Vec<u32> = (0..self.before.len() as u32).collect();
+        let length = |i: u32| self.length[i as usize];
+        order.sort_unstable_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
+        let mut widest = vec![0.0; self.before.len()];
+        for at in order {
+            let before = self.before[at as usize];
+            widest[at as usize] = f64::max(widest[before as usize], graph.distance(before, at));
+        }
+        widest
+    }
 }
 
 impl Graph {
@@ -56,18 +100,10 @@ impl Graph {
     pub fn new(points: Vec<DVec3>, reach: f64, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let (points, strays) = without_strays(points, reach, monitor)?;
         let tree = Neighbours::new(&points, monitor)?;
-        let mut links = Vec::new();
         let mut pieces = Pieces::new(points.len());
-        let mut found = Vec::new();
-        for (from, &p) in (0..).zip(&points) {
-            if from % 1024 == 0 {
-                monitor.check()?;
-            }
-            tree.nearest(p, LINKS + 1, reach, &mut found);
-            for &(_, to) in found.iter().filter(|&&(_, to)| to != from) {
-                links.extend([(from, to), (to, from)]);
-                pieces.join(from, to);
-            }
+        let mut links = links(&points, &tree, reach, monitor)?;
+        for &(from, to) in links.iter().step_by(2) {
+            pieces.join(from, to);
         }
         other_bridges(&points, &tree, &mut pieces, reach, &mut links, monitor)?;
         loop {
@@ -102,21 +138,34 @@ impl Graph {
         &self.links[start..end]
     }
 
-    /// The shortest ways from the places where `start` gives a length to begin with (Dijkstra 1959).
+    /// The shortest ways from the places where `start` gives a length to begin with; a gap counts by the square of its length.
     pub fn ways(
         &self,
         start: impl Fn(DVec3) -> Option<f64>,
         monitor: &dyn Monitor,
     ) -> Result<Ways, Cancelled> {
+        let cost = Cost { per_metre: &[1.0], linear_m: self.reach, turn: 0.0 };
+        self.ways_of(|p| start(p).map(|length| Start { length, group: 0 }), &cost, monitor)
+    }
+
+    /// The cheapest ways from several groups of places (Dijkstra 1959).
+    pub fn ways_of(
+        &self,
+        start: impl Fn(DVec3) -> Option<Start>,
+        cost_of: &Cost<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Ways, Cancelled> {
         let mut cost = vec![f64::INFINITY; self.points.len()];
         let mut length = cost.clone();
+        let mut group = vec![0; self.points.len()];
         let mut before: Vec<u32> = (0..self.points.len() as u32).collect();
         let mut queue = BinaryHeap::new();
         for (i, &p) in (0..).zip(&self.points) {
-            if let Some(l) = start(p) {
-                (cost[i as usize], length[i as usize]) = (l, l);
+            if let Some(at) = start(p) {
+                let begins = at.length * cost_of.per_metre[at.group as usize];
+                (cost[i as usize], length[i as usize], group[i as usize]) = (begins, at.length, at.group);
                 // Bits of non-negative floats order as the floats do.
-                queue.push(Reverse((l.to_bits(), i)));
+                queue.push(Reverse((begins.to_bits(), i)));
             }
         }
         let mut taken = 0_u32;
@@ -129,19 +178,54 @@ impl Graph {
             if so_far > cost[at as usize] {
                 continue;
             }
+            let came = cost_of.bends().then(|| {
+                let back = (0..BACK).fold(at, |node, _| before[node as usize]);
+                (self.points[at as usize] - self.points[back as usize]).normalize_or_zero()
+            });
+            let per_metre = cost_of.per_metre[group[at as usize] as usize];
             for &(_, to) in self.links_of(at) {
                 let step = self.distance(at, to);
-                let beyond = so_far + step * (step / self.reach).max(1.0);
+                let bend = came.map_or(1.0, |came| {
+                    let goes = (self.points[to as usize] - self.points[at as usize]).normalize_or_zero();
+                    1.0 + cost_of.turn * (1.0 - came.dot(goes)).max(0.0)
+                });
+                let costs = bend * step;
+                let beyond = so_far + per_metre * costs * (costs / cost_of.linear_m).max(1.0);
                 if beyond < cost[to as usize] {
                     cost[to as usize] = beyond;
                     length[to as usize] = length[at as usize] + step;
                     before[to as usize] = at;
+                    group[to as usize] = group[at as usize];
                     queue.push(Reverse((beyond.to_bits(), to)));
                 }
             }
         }
-        Ok(Ways { length, before })
+        Ok(Ways { length, before, group })
     }
+}
+
+/// Both directions of each point's links with its nearest within `reach`, one after the other.
+fn links(
+    points: &[DVec3],
+    tree: &Neighbours,
+    reach: f64,
+    monitor: &dyn Monitor,
+) -> Result<Vec<(u32, u32)>, Cancelled> {
+    const POINTS_PER_CHECK: usize = 1024;
+    let of_some = |(part, points): (usize, &[DVec3])| {
+        monitor.check()?;
+        let (mut links, mut found) = (Vec::new(), Vec::new());
+        for (from, &p) in (part * POINTS_PER_CHECK..).zip(points) {
+            let from = from as u32;
+            tree.nearest(p, LINKS + 1, reach, &mut found);
+            let others = found.iter().map(|&(_, to)| to).filter(|&to| to != from);
+            links.extend(others.flat_map(|to| [(from, to), (to, from)]));
+        }
+        Ok(links)
+    };
+    let parts: Vec<Vec<(u32, u32)>> =
+        points.par_chunks(POINTS_PER_CHECK).enumerate().map(of_some).collect::<Result<_, Cancelled>>()?;
+    Ok(parts.concat())
 }
 
 /// Leaves out points that have no two others nearby: dust, birds, scattered pulses.

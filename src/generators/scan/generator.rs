@@ -5,7 +5,7 @@ use linden_base::document::{Fault, Table};
 use linden_base::input::{Cloud, Geometry, Inputs, Up};
 use linden_base::knob::{Knob, Value, excerpt};
 use linden_base::memory::{OverMemory, bytes_of};
-use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::monitor::{Cancelled, Monitor, Quiet};
 use linden_growth::stand::grow_at;
 use linden_growth::{Origin, Stand, StandError};
 use linden_skeleton::generator::{
@@ -19,7 +19,7 @@ use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, Prepared, at_points};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, crowns, fit, girth, trees};
+use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, fit, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
@@ -114,9 +114,11 @@ impl Generator for Scans {
 }
 
 impl ScanSettings {
-    fn cloud<'a>(&self, inputs: &'a Inputs) -> Option<&'a Cloud> {
-        match &inputs.get(&self.file)?.geometry {
-            Geometry::Points(cloud) => Some(cloud),
+    /// The points, and the axis that usually points up in such files.
+    pub(crate) fn cloud<'a>(&self, inputs: &'a Inputs) -> Option<(&'a Cloud, Up)> {
+        let input = inputs.get(&self.file)?;
+        match &input.geometry {
+            Geometry::Points(cloud) => Some((cloud, input.up)),
             _ => None,
         }
     }
@@ -158,18 +160,23 @@ impl Settings for ScanSettings {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
         let points = Passage { heading: "attraction points", lines: vec![line] };
-        let columns = self.cloud(inputs).and_then(|cloud| trees::columns(self, cloud).ok());
-        let lines: Vec<String> = columns.unwrap_or_default().iter().map(trees::line).collect();
+        let columns = self.cloud(inputs).and_then(|(cloud, up)| trees::columns(self, cloud, up, &Quiet).ok());
+        let lines: Vec<String> = columns.iter().flat_map(trees::Columns::all).map(trees::line).collect();
         let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
         std::iter::once(points).chain(trees).collect()
     }
 
-    fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
-        let cloud = self.cloud(inputs).filter(|_| self.tree.is_none())?;
-        let columns = trees::columns(self, cloud).ok()?;
-        let column = trees::column(self, &columns).ok().flatten()?;
-        let told_by = format!("'{}'", excerpt(&column.name));
-        Some(InputTrees { knob: "tree", told_by, made_of: "points", numbers: column.counts() })
+    fn trees(&self, inputs: &Inputs, monitor: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
+        let Some((cloud, up)) = self.cloud(inputs).filter(|_| self.tree.is_none()) else { return Ok(None) };
+        let columns = trees::columns(self, cloud, up, monitor)?;
+        let column = trees::column(self, columns.all())?;
+        let trees = column.map(|column| {
+            let told_by = format!("'{}'", excerpt(&column.name));
+            InputTrees { knob: "tree", told_by, made_of: "points", numbers: column.counts() }
+        });
+        // Who asks for stems to be looked for means those that are found, if it is one.
+        let is_asked = self.segmentation == Segmentation::Paths;
+        Ok(trees.filter(|trees| is_asked || trees.numbers.len() > 1))
     }
 
     fn set_text(&mut self, key: &str, text: &str) -> bool {
@@ -200,7 +207,7 @@ impl Settings for ScanSettings {
     }
 
     fn limit(&mut self, inputs: &Inputs, size: &SampleSize) -> Result<bool, String> {
-        let chosen = self.cloud(inputs).and_then(|cloud| trees::chosen(self, cloud).ok());
+        let chosen = self.cloud(inputs).and_then(|(cloud, up)| trees::chosen(self, cloud, up, &Quiet).ok());
         let points = chosen.map_or(0, |(points, _)| points.len());
         self.growth.limit(points, size)
     }
@@ -237,21 +244,14 @@ struct Planted {
     is_canopy: bool,
 }
 
-/// The points of the file, and the axis that usually points up in such files.
-fn points<'a>(settings: &ScanSettings, task: &Task<'a>) -> Result<(&'a Cloud, Up), ScanGrowthError> {
-    match task.inputs.get(&settings.file).map(|input| (&input.geometry, input.up)) {
-        Some((Geometry::Points(cloud), up)) => Ok((cloud, up)),
-        _ => Err(ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" }),
-    }
-}
-
 fn planted(
     settings: &ScanSettings,
     task: &Task<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Planted, ScanGrowthError> {
-    let (cloud, up) = points(settings, task)?;
-    let (points, of_trees) = trees::chosen(settings, cloud)?;
+    let wrong = || ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" };
+    let (cloud, up) = settings.cloud(task.inputs).ok_or_else(wrong)?;
+    let (points, of_trees) = trees::chosen(settings, cloud, up, monitor)?;
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let Prepared { site, bark, axes } = at_points(settings, points, up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;

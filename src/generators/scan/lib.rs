@@ -51,6 +51,7 @@ mod frame;
 mod generator;
 mod girth;
 mod neighbours;
+pub mod plot;
 mod points;
 mod sample;
 mod segments;
@@ -78,7 +79,7 @@ pub use frame::shows_stem;
 pub use frame::{likely_scale, unusual_up};
 pub use generator::GENERATOR;
 pub use girth::{Girth, girth};
-pub use settings::{ScanRadius, ScanSettings};
+pub use settings::{ScanRadius, ScanSettings, Segmentation};
 
 /// A scan made ready for growth; lengths in metres, Y up.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,6 +10,7 @@ use linden_growth::sample::{Lengthening, trunk_share};
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler, Task};
 
+use crate::settings::Segmentation;
 use crate::trees::chosen;
 use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m};
 
@@ -27,13 +28,12 @@ pub(crate) struct ScanPart {
 impl ScanPart {
     pub fn new(settings: &ScanSettings, task: &Task<'_>, size: SampleSize, monitor: &dyn Monitor) -> Self {
         let input = task.inputs.get(&settings.file);
-        let given = match input.map(|input| &input.geometry) {
-            // What is wrong with them is said by who grows.
-            Some(Geometry::Points(cloud)) => {
-                chosen(settings, cloud).map_or(Cow::Borrowed(&[][..]), |(points, _)| points)
-            }
-            _ => Cow::Borrowed(&[][..]),
-        };
+        // What is wrong with them is said by who grows.
+        let given = settings.cloud(task.inputs).and_then(|(cloud, up)| {
+            let (points, _) = chosen(settings, cloud, up, monitor).ok()?;
+            Some(points)
+        });
+        let given = given.unwrap_or(Cow::Borrowed(&[]));
         let given = &given[..];
         let points = given.len();
         let most = size.points >> size.halvings.min(4);
@@ -44,6 +44,7 @@ impl ScanPart {
         if share < 1.0 {
             smaller.tree = None;
             smaller.instance = None;
+            smaller.segmentation = Segmentation::Column;
         }
         smaller.growth.max_nodes = settings.growth.max_nodes.min(size.nodes);
         let (mut coarser, mut longer) = (1.0, 1.0);

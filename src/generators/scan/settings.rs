@@ -15,6 +15,16 @@ words! {
     }
 }
 
+words! {
+    /// How the trees of a plot are told apart.
+    Segmentation {
+        /// By a column of the file that numbers them, where it has one.
+        Column = "column",
+        /// By the shortest ways from the stems that are found.
+        Paths = "paths"
+    }
+}
+
 /// Given points, and how a tree grows into them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanSettings {
@@ -22,7 +32,9 @@ pub struct ScanSettings {
     pub file: String,
     /// The file's column that tells trees apart; `None`: the likeliest by its name.
     pub instance: Option<String>,
-    /// The number of the tree in that column, rounded; `None`: all points, whichever tree they belong to.
+    /// How trees are told apart.
+    pub segmentation: Segmentation,
+    /// The number of the tree, rounded; `None`: all points, whichever tree they belong to.
     pub tree: Option<f64>,
     /// How it grows into the points.
     pub growth: GrowthSettings,
@@ -54,7 +66,22 @@ impl ScanSettings {
                  preset's [scan] picks one. 0 and less is no tree. linden show lists the numbers, and linden export \
                  PLOT -o FOLDER/ grows each tree."
             ),
-            see_also(&["stems", "contract"])
+            see_also(&["segmentation", "stems", "contract"])
+        ),
+        field!(
+            "segmentation",
+            Kind::Choice(Segmentation::WORDS),
+            "",
+            "how trees are told apart; column: by a column of the file, if it has one; paths: by ways from the stems it shows",
+            segmentation,
+            details(
+                "paths is for plots that nobody has segmented: the ground is found, then stems by circles near breast \
+                 height, and each point goes to the stem from which the way to it along other points is the shortest, \
+                 where thick stems have an advantage. Trees are numbered by their heights, the tallest is 1. linden show \
+                 lists them, tree=N takes one, and linden export PLOT -o FOLDER/ grows each. What is lower than 2 m, \
+                 and ground, is of no tree."
+            ),
+            see_also(&["tree", "stems"])
         ),
         field!(
             "contract",
@@ -130,6 +157,7 @@ impl ScanSettings {
         Self {
             file: file.into(),
             instance: None,
+            segmentation: Segmentation::Column,
             tree: None,
             growth: GrowthSettings::default(),
             contract: true,

@@ -1,26 +1,86 @@
-//! Which points of a file are the tree's, where the file says which tree each belongs to.
+//! Which points of a file are the tree's, where several are told apart.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use glam::DVec3;
-use linden_base::input::{Cloud, TreeColumn};
+use linden_base::input::{Cloud, TreeColumn, Up};
 use linden_base::knob::{excerpt, printable};
+use linden_base::monitor::Monitor;
 
+use crate::plot::{PlotRule, tell_apart};
+use crate::settings::Segmentation;
 use crate::{ScanGrowthError, ScanSettings, crowns};
 
 /// Numbers of trees that a message names.
 const MOST_NAMED: usize = 12;
 
-/// The columns of a file that tell trees apart, which a grid of heights does by its tops.
+/// Columns that tell trees apart, the likeliest first.
+pub(crate) enum Columns<'a> {
+    /// Those of the file.
+    File(&'a [TreeColumn]),
+    /// One that was worked out.
+    Told(Arc<TreeColumn>),
+}
+
+impl Columns<'_> {
+    pub fn all(&self) -> &[TreeColumn] {
+        match self {
+            Self::File(columns) => columns,
+            Self::Told(column) => std::slice::from_ref(column),
+        }
+    }
+}
+
+/// The columns that tell the points' trees apart: the file's own, that of a grid's tops, or that of the stems that are found.
+/// `usual` is the axis that points up in such files.
 pub(crate) fn columns<'a>(
     settings: &ScanSettings,
     cloud: &'a Cloud,
-) -> Result<Cow<'a, [TreeColumn]>, ScanGrowthError> {
-    let Some(cell) = cloud.cell else { return Ok(Cow::Borrowed(&cloud.trees)) };
-    let told = crowns::tell_apart(&cloud.positions, cell, settings.scale.unwrap_or(1.0));
-    let column =
-        told.map_err(|problem| ScanGrowthError::Trees(format!("{}: {problem}", printable(&settings.file))))?;
-    Ok(Cow::Owned(vec![column]))
+    usual: Up,
+    monitor: &dyn Monitor,
+) -> Result<Columns<'a>, ScanGrowthError> {
+    let refused = |problem: &str| {
+        Err(ScanGrowthError::Trees(format!("segmentation=paths: {}: {problem}", printable(&settings.file))))
+    };
+    let by_paths = settings.segmentation == Segmentation::Paths;
+    if by_paths && settings.instance.is_some() {
+        return refused("instance names a column that tells trees apart; leave out one of both");
+    }
+    let column = match cloud.cell {
+        Some(_) if by_paths => {
+            return refused(
+                "a grid of heights shows no stems; segmentation=column tells its trees apart by their tops",
+            );
+        }
+        Some(cell) => {
+            let scale = settings.scale.unwrap_or(1.0);
+            cloud.told.get(&format!("tops {scale}"), || {
+                let told = crowns::tell_apart(&cloud.positions, cell, scale);
+                told.map_err(|problem| {
+                    ScanGrowthError::Trees(format!("{}: {problem}", printable(&settings.file)))
+                })
+            })?
+        }
+        None if by_paths => {
+            let rule = plot_rule(settings, usual);
+            let work_out = || tell_apart(&cloud.positions, &rule, monitor).map_err(ScanGrowthError::from);
+            let column = cloud.told.get(&format!("{rule:?}"), work_out)?;
+            if column.numbers.iter().all(|&number| number == 0) {
+                return refused(
+                    "no stem of a tree stands on the ground there; are scale= and up= right, and is it seen 0.5 to 3 m above the ground?",
+                );
+            }
+            column
+        }
+        None => return Ok(Columns::File(&cloud.trees)),
+    };
+    Ok(Columns::Told(column))
+}
+
+/// How a plot's trees are found.
+fn plot_rule(settings: &ScanSettings, usual: Up) -> PlotRule {
+    PlotRule { up: settings.growth.given_up().unwrap_or(usual), scale: settings.scale }
 }
 
 /// The column that tells trees apart; `None` where the file has none and none is asked for.
@@ -55,15 +115,18 @@ pub(crate) fn wanted(settings: &ScanSettings) -> Option<u32> {
 pub(crate) fn chosen<'a>(
     settings: &ScanSettings,
     cloud: &'a Cloud,
+    usual: Up,
+    monitor: &dyn Monitor,
 ) -> Result<(Cow<'a, [DVec3]>, Option<String>), ScanGrowthError> {
-    let columns = columns(settings, cloud)?;
-    let column = column(settings, &columns)?;
+    let columns = columns(settings, cloud, usual, monitor)?;
+    let column = column(settings, columns.all())?;
     let Some(wanted) = wanted(settings) else {
         return Ok((Cow::Borrowed(&cloud.positions), column.and_then(|column| several(settings, column))));
     };
     let Some(column) = column else {
         return Err(ScanGrowthError::Trees(format!(
-            "tree={wanted}: {} says of no point which tree it belongs to; tree=auto takes all points",
+            "tree={wanted}: {} says of no point which tree it belongs to; tree=auto takes all points, \
+             segmentation=paths finds the trees by their stems",
             printable(&settings.file)
         )));
     };

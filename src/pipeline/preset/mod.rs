@@ -28,11 +28,12 @@ use std::fmt;
 use linden_base::document::NamesFiles;
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Spread, Value, nearest, printable};
+use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 use linden_plant::settings::Dressing;
 use linden_skeleton::Wood;
 use linden_skeleton::edit::Edit as WoodEdit;
-use linden_skeleton::generator::{Asked, Generator, Settings};
+use linden_skeleton::generator::{Asked, Generator, GeneratorError, Settings};
 use linden_skeleton::refine::Refinement;
 
 pub use ages::{AGES, Age, AgeError, MOST_AGES};
@@ -318,8 +319,15 @@ impl Preset {
     }
 
     /// The trees that its input tells apart, where a knob picks one of them and is not turned.
-    pub fn trees(&self, inputs: &Inputs) -> Option<InputTrees> {
-        self.generator.trees(inputs)
+    ///
+    /// # Errors
+    /// [`GeneratorError`]: the input cannot be divided as is asked for, memory, cancelled.
+    pub fn trees(
+        &self,
+        inputs: &Inputs,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<InputTrees>, GeneratorError> {
+        self.generator.trees(inputs, monitor)
     }
 
     /// The way it grows.
