@@ -76,8 +76,8 @@ impl ScanSettings {
             segmentation,
             details(
                 "paths is for plots that nobody has segmented: the ground is found, then stems by circles near breast \
-                 height, and each point goes to the stem from which the way to it along other points is the shortest, \
-                 where thick stems have an advantage. Trees are numbered by their heights, the tallest is 1. linden show \
+                 height, and each point goes to the stem from which the way to it along other points is the shortest and \
+                 straightest. Crowns in leaf that meet are told apart badly. Trees are numbered by their heights, the tallest is 1. linden show \
                  lists them, tree=N takes one, and linden export PLOT -o FOLDER/ grows each. What is lower than 2 m, \
                  and ground, is of no tree."
             ),
