@@ -332,6 +332,8 @@ fn what_shows_no_stems_is_not_divided_by_them() {
             assert!(!folder.names().iter().any(|name| name == "trees" || name == "one.glb"));
         }
     }
+    let said = folder.run(&["show", "ground.xyz", "--set=segmentation=paths"]);
+    assert!(said.code == Some(0) && said.out.contains("no stem of a tree stands"), "{}", said.out);
     // Without a column, what would help is said.
     let said = folder.run(&["stats", "ground.xyz", "--set=tree=1"]);
     assert!(said.err.contains("segmentation=paths finds the trees by their stems"), "{}", said.err);

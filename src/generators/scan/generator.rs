@@ -160,8 +160,12 @@ impl Settings for ScanSettings {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
         let points = Passage { heading: "attraction points", lines: vec![line] };
-        let columns = self.cloud(inputs).and_then(|(cloud, up)| trees::columns(self, cloud, up, &Quiet).ok());
-        let lines: Vec<String> = columns.iter().flat_map(trees::Columns::all).map(trees::line).collect();
+        let lines: Vec<String> =
+            match self.cloud(inputs).map(|(cloud, up)| trees::columns(self, cloud, up, &Quiet)) {
+                Some(Ok(columns)) => columns.all().iter().map(trees::line).collect(),
+                Some(Err(problem)) => vec![problem.to_string()],
+                None => Vec::new(),
+            };
         let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
         std::iter::once(points).chain(trees).collect()
     }
