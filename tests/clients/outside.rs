@@ -1,6 +1,7 @@
 //! Runs `check.py`: usd-core, NVIDIA's and Khronos' validators, trimesh and our own comparison.
 
 use std::fs;
+use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -32,11 +33,31 @@ pub fn run(script: &str, dir: &Path) {
     );
 }
 
-pub fn exported(name: &str) -> PathBuf {
+/// A folder for files. It stays where a test fails, to look at them, and goes where it passes: all together they are
+/// gigabytes.
+pub struct Exported(PathBuf);
+
+impl Deref for Exported {
+    type Target = Path;
+
+    fn deref(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for Exported {
+    fn drop(&mut self) {
+        if !std::thread::panicking() {
+            let _ = fs::remove_dir_all(&self.0);
+        }
+    }
+}
+
+pub fn exported(name: &str) -> Exported {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&dir);
     fs::create_dir_all(&dir).unwrap();
-    dir
+    Exported(dir)
 }
 
 #[test]
