@@ -149,13 +149,14 @@ pub(crate) fn chosen<'a>(
     Ok((Cow::Owned(points), None))
 }
 
-/// What is said where several trees are about to be grown as one.
+/// What is said where several trees are about to be grown as one, or none of those that were looked for is picked.
 fn several(settings: &ScanSettings, column: &TreeColumn) -> Option<String> {
     let count = column.counts().len();
     let (name, file) = (excerpt(&column.name), printable(&settings.file));
-    (count > 1).then(|| {
+    let trees = if count == 1 { "tree" } else { "trees" };
+    (count > 1 || settings.segmentation == Segmentation::Paths).then(|| {
         format!(
-            "'{name}' of {file} tells {count} trees apart, and all of its points were taken for one; tree=N takes one \
+            "'{name}' of {file} tells {count} {trees} apart, and all of its points were taken for one; tree=N takes one \
              of them, 'linden export {file} -o trees/' grows each"
         )
     })

@@ -72,6 +72,9 @@ const MOST_GAP_M: f64 = 1.5;
 /// While trees are told apart, for each point: its place in metres, its height, its cube and its number.
 const BYTES_PER_POINT: u64 = 64;
 
+/// And for each cube above the ground: its links, their order, and its ways (measured).
+const BYTES_PER_CUBE: u64 = 360;
+
 /// The number of the tree that each point belongs to, 0 for none; `positions` are the file's.
 ///
 /// # Errors
@@ -154,6 +157,8 @@ fn of_cubes(
     if boles.is_empty() {
         return Ok(of_cubes);
     }
+    let bytes = cubes.members.len() as u64 * BYTES_PER_POINT + high.len() as u64 * BYTES_PER_CUBE;
+    monitor.admit("telling trees apart", bytes, "thin the points out")?;
     let graph = Graph::new(places, REACH * cube_m, monitor)?;
     let near = Near::new(boles, cube_m);
     let start = |p: DVec3| {
