@@ -2,6 +2,8 @@
 
 use std::ops::RangeInclusive;
 
+use linden_pipeline::stage::Place;
+
 use crate::ScannerError;
 
 /// How a tree is scanned. The defaults are those of a scanner on a tripod in still air.
@@ -52,6 +54,13 @@ impl ScannerSettings {
     /// Metres that the ground rises along each metre of x.
     pub fn rise(&self) -> f64 {
         libm::tan(self.slope_deg.to_radians())
+    }
+
+    /// A place on level ground, raised to the slope.
+    pub fn on_slope(&self, place: Place) -> Place {
+        let mut raised = place;
+        raised.position.y += self.rise() as f32 * place.position.x;
+        raised
     }
 
     /// Whether all settings are within their ranges.

@@ -126,8 +126,7 @@ impl Target {
             self.add_leaves(grown, monitor)?;
         }
         if let Some(motion) = place.motion() {
-            let feet = self.feet.iter_mut().rev().take(1);
-            for corner in self.triangles[first..].iter_mut().flatten().chain(feet) {
+            for corner in self.triangles[first..].iter_mut().flatten().chain(self.feet.last_mut()) {
                 *corner = motion.point(*corner);
             }
         }

@@ -257,7 +257,7 @@ fn a_plot_that_nobody_segmented_is_divided_by_its_stems() {
     for ([x, _, z], ..) in &trees {
         assert!((z - x * 0.212_556_6).abs() < 1e-3, "{truth}");
     }
-    // Without the column it is one tree; with it, or by its stems, there are as many as were scanned.
+    // The file's own column has as many as were scanned; their stems are to give as many without it.
     let by_column = folder.run(&["show", "plot.laz"]).out;
     assert!(by_column.contains(&format!("'treeID': {} trees", trees.len())), "{by_column}");
     let of_threads = |threads: &str, folder_name: &str| {

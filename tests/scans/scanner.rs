@@ -6,6 +6,7 @@ use linden::recipe::Recipe;
 use linden::scanner::rays::{Rays, meet};
 use linden::scanner::stand::{Grid, Stand};
 use linden::scanner::{Scan, ScannerSettings, Target, WhatIsHit, laz, ply, scan};
+use linden::stage::Place;
 use linden::{DVec3, Quiet, Vec3};
 use linden_tests::presets::recipe;
 
@@ -230,4 +231,41 @@ fn the_packed_file_holds_the_same_points_upright_and_the_same_bytes_each_time() 
         let Vec3 { x, y, z } = point.position;
         assert!(found.distance(Vec3::new(x, -z, y).as_dvec3()) < 1e-4, "{found} {point:?}");
     }
+}
+
+/// Four trees a few metres apart on a slope of 20°, with ground, from stands among them.
+#[test]
+fn sloping_ground_is_where_its_equation_has_it() {
+    let (recipe, one) = small();
+    let mut settings = exact();
+    (settings.positions, settings.ground, settings.slope_deg, settings.height_m) = (7, true, 20.0, 1.6);
+    // The tangent of 20°.
+    let rise = 0.363_970_23;
+    let mut target = Target::default();
+    for [x, z] in [[0.0, 0.0], [5.0, 1.0], [1.0, -4.0], [-3.0, 3.0]] {
+        let place = Place { position: Vec3::new(x, 0.0, z), turn_rad: 0.7, scale: 1.3, ..Place::origin(0) };
+        target.add_at(&settings.on_slope(place), &one, &recipe.preset.dressing.tubes, false, &Quiet).unwrap();
+        let foot = target.feet().last().unwrap();
+        assert!((foot.y - rise * foot.x).abs() < 0.05, "{foot}");
+    }
+    let scan = scan(&target, &settings, &Quiet).unwrap();
+    let lowest = target.foot().unwrap();
+    let plane = |x: f64| lowest.y + f64::from(rise) * (x - lowest.x);
+    for stand in &scan.stands {
+        assert!((stand.eye.y - plane(stand.eye.x) - 1.6).abs() < 1e-6, "{stand:?}");
+        for foot in target.feet() {
+            let off = DVec3::new(stand.eye.x - f64::from(foot.x), 0.0, stand.eye.z - f64::from(foot.z));
+            assert!(off.length() > 1.19, "{stand:?} {foot}");
+        }
+    }
+    let on_ground: Vec<_> =
+        scan.points.iter().filter(|point| scan.truth(point).what == WhatIsHit::Ground).collect();
+    assert!(on_ground.len() > 500, "{}", on_ground.len());
+    for point in on_ground {
+        let p = point.position.as_dvec3();
+        assert!((p.y - plane(p.x)).abs() < 1e-4, "{p}");
+    }
+    let trees: std::collections::BTreeSet<u32> =
+        scan.points.iter().map(|point| scan.truth(point).tree).collect();
+    assert_eq!(trees.into_iter().collect::<Vec<_>>(), [0, 1, 2, 3, 4]);
 }

@@ -116,7 +116,8 @@ impl Scan {
             }
             other => other.into(),
         })?;
-        let subject = self.subject(&progress)?;
+        let pairs = self.growing.pairs()?;
+        let subject = self.subject(&pairs, &progress)?;
         let output = if is_folder(&self.output) {
             self.output.join(format!("{}-scan.ply", linden_exporters::plain_stem(subject.id())))
         } else {
@@ -139,7 +140,7 @@ impl Scan {
         let mut points_file = self.placing.bundle(&output).map_err(explained)?;
         let mut truth_file =
             self.truth.as_deref().map(|path| self.placing.bundle(path)).transpose().map_err(explained)?;
-        let (target, truth) = self.target(&subject, &progress)?;
+        let (target, truth) = self.target(&subject, &pairs, &progress)?;
         let scan = scanner::scan(&target, &settings, &progress).with_context(|| subject.shown())?;
         drop(target);
         progress.clear();
@@ -197,11 +198,10 @@ impl Scan {
     }
 
     /// The tree or the forest, its knobs turned.
-    fn subject(&self, progress: &Progress) -> anyhow::Result<Subject> {
-        let pairs = self.growing.pairs()?;
+    fn subject(&self, pairs: &[(String, String)], progress: &Progress) -> anyhow::Result<Subject> {
         let named = self.growing.source.to_str();
         let Some(file) = named.map(|named| ForestFile::find(named, progress)).transpose()?.flatten() else {
-            return Ok(Subject::Tree(Box::new(self.growing.resolve_with(&pairs, progress)?)));
+            return Ok(Subject::Tree(Box::new(self.growing.resolve_with(pairs, progress)?)));
         };
         let shown = file.shown();
         let instead = "turn it in the forest's document";
@@ -214,14 +214,19 @@ impl Scan {
             )));
         }
         let mut forest = super::forest::resolved(file, progress)?;
-        for (name, value) in &pairs {
+        for (name, value) in pairs {
             turn(&mut forest, name, value)?;
         }
         Ok(Subject::Forest(Box::new(forest)))
     }
 
     /// What is scanned, and the table of what it truly is.
-    fn target(&self, subject: &Subject, progress: &Progress) -> anyhow::Result<(Target, String)> {
+    fn target(
+        &self,
+        subject: &Subject,
+        pairs: &[(String, String)],
+        progress: &Progress,
+    ) -> anyhow::Result<(Target, String)> {
         let mut target = Target::default();
         let mut truth = format!("tree,source,seed,foot_x_m,foot_y_m,foot_z_m,{}\n", TreeSizes::header());
         match subject {
@@ -230,7 +235,7 @@ impl Scan {
                 if self.leaves && grown.organs.is_empty() {
                     super::notes(&[format!("{} has no leaves to scan", source.shown)], progress);
                 }
-                let tubes = self.tubes(&source.recipe.preset, SIDES)?;
+                let tubes = tubes(pairs, &source.recipe.preset, SIDES);
                 target.add(&grown, &tubes, self.leaves, progress).with_context(|| source.shown.clone())?;
                 truth += &truth_row(&target, &source.recipe.preset, &TreeSizes::of(&grown.skeleton));
             }
@@ -244,37 +249,18 @@ impl Scan {
                     super::notes(&about, progress);
                     grown.push(one);
                 }
-                let rise = self.settings().rise() as f32;
+                let settings = self.settings();
                 for place in &plan.places {
-                    let mut place = *place;
-                    place.position.y += rise * place.position.x;
                     let (preset, one) = (&plan.trees[place.plant].recipe.preset, &grown[place.plant]);
-                    let tubes = self.tubes(preset, SIDES_IN_A_FOREST)?;
+                    let tubes = tubes(pairs, preset, SIDES_IN_A_FOREST);
                     target
-                        .add_at(&place, one, &tubes, self.leaves, progress)
+                        .add_at(&settings.on_slope(*place), one, &tubes, self.leaves, progress)
                         .with_context(|| plan.trees[place.plant].name.clone())?;
                     truth += &truth_row(&target, preset, &TreeSizes::scaled(&one.skeleton, place.scale));
                 }
             }
         }
         Ok((target, truth))
-    }
-
-    /// The surface of wood that is what its cylinders are, but for what was asked for otherwise.
-    fn tubes(&self, preset: &Preset, sides: u32) -> anyhow::Result<Tubes> {
-        let pairs = self.growing.pairs()?;
-        let is_turned = |knob: &str| pairs.iter().any(|(name, _)| name == knob);
-        let mut tubes = preset.dressing.tubes;
-        if !is_turned("sides") {
-            tubes.sides = sides;
-        }
-        if !is_turned("twig_taper") {
-            tubes.features.twig_taper = 0.0;
-        }
-        if !is_turned("width_smoothing") {
-            tubes.width_smoothing = 0.0;
-        }
-        Ok(tubes)
     }
 
     /// What the file says of itself.
@@ -319,6 +305,22 @@ impl Subject {
             Self::Forest(forest) => forest.id.clone(),
         }
     }
+}
+
+/// The surface of wood that is what its cylinders are, but for the knobs that were turned.
+fn tubes(turned: &[(String, String)], preset: &Preset, sides: u32) -> Tubes {
+    let is_turned = |knob: &str| turned.iter().any(|(name, _)| name == knob);
+    let mut tubes = preset.dressing.tubes;
+    if !is_turned("sides") {
+        tubes.sides = sides;
+    }
+    if !is_turned("twig_taper") {
+        tubes.features.twig_taper = 0.0;
+    }
+    if !is_turned("width_smoothing") {
+        tubes.width_smoothing = 0.0;
+    }
+    tubes
 }
 
 /// The row of the tree that was added last.

@@ -17,14 +17,14 @@ pub struct Cloud {
     pub trees: Vec<TreeColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
-    /// What was worked out from the positions last, so that it is worked out once.
-    pub told: Told,
+    /// The column that was worked out from the positions last, so that it is worked out once.
+    pub segmentation_cache: SegmentationCache,
 }
 
 /// A column that follows from positions and some rule, kept for whoever asks by the same rule again. It is no part of what
 /// a cloud is: clouds with and without are equal.
 #[derive(Clone, Debug, Default)]
-pub struct Told(Arc<Mutex<Option<Kept>>>);
+pub struct SegmentationCache(Arc<Mutex<Option<Kept>>>);
 
 #[derive(Clone, Debug)]
 struct Kept {
@@ -32,13 +32,13 @@ struct Kept {
     column: Arc<TreeColumn>,
 }
 
-impl PartialEq for Told {
+impl PartialEq for SegmentationCache {
     fn eq(&self, _: &Self) -> bool {
         true
     }
 }
 
-impl Told {
+impl SegmentationCache {
     /// The column by a rule, if it is the last that was worked out.
     pub fn peek(&self, rule: &str) -> Option<Arc<TreeColumn>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -82,7 +82,7 @@ impl Cloud {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
-        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>() + self.told.bytes()
+        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>() + self.segmentation_cache.bytes()
     }
 }
 

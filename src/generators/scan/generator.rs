@@ -211,8 +211,13 @@ impl Settings for ScanSettings {
     }
 
     fn limit(&mut self, inputs: &Inputs, size: &SampleSize) -> Result<bool, String> {
-        let chosen = self.cloud(inputs).and_then(|(cloud, up)| trees::chosen(self, cloud, up, &Quiet).ok());
-        let points = chosen.map_or(0, |(points, _)| points.len());
+        let points = self.cloud(inputs).map_or(0, |(cloud, up)| match self.segmentation {
+            // Only for their number a plot is not segmented: there are no more of a tree than of all.
+            Segmentation::Paths => cloud.positions.len(),
+            Segmentation::Column => {
+                trees::chosen(self, cloud, up, &Quiet).map_or(0, |(points, _)| points.len())
+            }
+        });
         self.growth.limit(points, size)
     }
 

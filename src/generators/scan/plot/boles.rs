@@ -91,7 +91,7 @@ pub(super) fn find(
     monitor: &dyn Monitor,
 ) -> Result<Vec<Bole>, Cancelled> {
     // What shows whether stems go on: everything below, by level.
-    let column = Columns::new(points, heights_m, monitor)?;
+    let occupancy = Occupancy::new(points, heights_m, monitor)?;
     let mut stems: Vec<Stem> = Vec::new();
     for (slice, slice_m) in SLICES_M.into_iter().enumerate() {
         monitor.check()?;
@@ -114,7 +114,8 @@ pub(super) fn find(
         }
     }
     let mut boles: Vec<Bole> = Vec::new();
-    for stem in stems.iter().filter(|stem| stem.slices.count_ones() >= LEAST_SLICES && column.has(stem)) {
+    for stem in stems.iter().filter(|stem| stem.slices.count_ones() >= LEAST_SLICES && occupancy.shows(stem))
+    {
         let bark_m = |bole: &Bole| away(bole.centre, stem.centre) - bole.reach_m - stem.radius_m;
         match boles.iter_mut().find(|bole| bark_m(bole) < ONE_TREE_M) {
             Some(bole) => {
@@ -294,13 +295,13 @@ fn circles_in(mut placed: Vec<Placed>) -> Vec<Circle> {
 }
 
 /// Which places are met at which level above the ground.
-struct Columns {
+struct Occupancy {
     low: [f64; 2],
     /// Level and cell, sorted.
     met: Vec<[u32; 3]>,
 }
 
-impl Columns {
+impl Occupancy {
     const CELL_M: f64 = 0.1;
 
     fn new(points: &[DVec3], heights_m: &[f32], monitor: &dyn Monitor) -> Result<Self, Cancelled> {
@@ -321,7 +322,7 @@ impl Columns {
     }
 
     /// Whether there is something above and below a stem, at most levels between the ground and [`GOES_ON_M`].
-    fn has(&self, stem: &Stem) -> bool {
+    fn shows(&self, stem: &Stem) -> bool {
         let levels = 1..(GOES_ON_M / LEVEL_M) as u32;
         let count = levels.len() as f64;
         let middle_m = stem.middle_m();

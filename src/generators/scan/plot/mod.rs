@@ -64,7 +64,7 @@ const TURN: f64 = 20.0;
 
 /// A metre costs by the diameter of the stem to this power: large trees have large crowns. (Tao et al. take -2/3; chosen by
 /// plots for tuning, where it makes a small difference.)
-const THICK: f64 = -1.0 / 3.0;
+const THICKNESS_POWER: f64 = -1.0 / 3.0;
 
 /// What is farther from everything than this is of no tree, metres.
 const MOST_GAP_M: f64 = 1.5;
@@ -102,14 +102,14 @@ pub fn tell_apart(
     monitor.check()?;
     let boles = boles::find(&points, &heights_m, spacing_m, monitor)?;
     let (cubes, cube_m) = thinned(&points, spacing_m);
-    let of_cubes = of_cubes(&cubes, cube_m, &boles, &ground, monitor)?;
+    let near = BoleIndex::new(&boles, cube_m);
+    let of_cubes = of_cubes(&cubes, cube_m, &near, &ground, monitor)?;
     // From cubes to their points; what is low belongs to the stem that it is at.
-    let feet = Near::new(&boles, 0.0);
     let mut first = 0;
     for (&end, &bole) in cubes.ends.iter().zip(&of_cubes) {
         for &point in &cubes.members[first as usize..end as usize] {
             let is_low = f64::from(heights_m[point as usize]) < LOW_M;
-            let bole = if is_low { feet.foot_at(points[point as usize]) } else { bole };
+            let bole = if is_low { near.foot_at(points[point as usize]) } else { bole };
             numbers[point as usize] = bole.map_or(0, |bole| bole + 1);
         }
         first = end;
@@ -145,7 +145,7 @@ fn thinned(points: &[DVec3], spacing_m: f64) -> (Cubes, f64) {
 fn of_cubes(
     cubes: &Cubes,
     cube_m: f64,
-    boles: &[Bole],
+    near: &BoleIndex<'_>,
     ground: &Ground,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<u32>>, ScanError> {
@@ -154,13 +154,12 @@ fn of_cubes(
     let high: Vec<u32> =
         (0..).zip(&cubes.means).filter(|(_, p)| height_m(**p) >= LOW_M).map(|(cube, _)| cube).collect();
     let places = high.iter().map(|&cube| cubes.means[cube as usize]).collect();
-    if boles.is_empty() {
+    if near.boles.is_empty() {
         return Ok(of_cubes);
     }
     let bytes = cubes.members.len() as u64 * BYTES_PER_POINT + high.len() as u64 * BYTES_PER_CUBE;
     monitor.admit("telling trees apart", bytes, "thin the points out")?;
     let graph = Graph::new(places, REACH * cube_m, monitor)?;
-    let near = Near::new(boles, cube_m);
     let start = |p: DVec3| {
         let height_m = height_m(p);
         let at_slice = |&(_, bole): &(u32, &Bole)| (bole.slice_m[0]..bole.slice_m[1]).contains(&height_m);
@@ -169,7 +168,8 @@ fn of_cubes(
         let (group, bole) = all.min_by(|a, b| off_m(a.1).total_cmp(&off_m(b.1)))?;
         (off_m(bole) <= cube_m).then_some(Start { length: height_m, group })
     };
-    let per_metre: Vec<f64> = boles.iter().map(|bole| libm::pow(2.0 * bole.radius_m, THICK)).collect();
+    let per_metre: Vec<f64> =
+        near.boles.iter().map(|bole| libm::pow(2.0 * bole.radius_m, THICKNESS_POWER)).collect();
     let cost = Cost { per_metre: &per_metre, linear_m: cube_m, turn: TURN };
     let ways = graph.ways_of(start, &cost, monitor)?;
     let gaps_m = ways.widest_gaps_m(&graph);
@@ -184,13 +184,13 @@ fn of_cubes(
 }
 
 /// Boles by the squares of ground that they are near to.
-struct Near<'a> {
+struct BoleIndex<'a> {
     boles: &'a [Bole],
     /// Square and bole, sorted.
     of_squares: Vec<([i32; 2], u32)>,
 }
 
-impl<'a> Near<'a> {
+impl<'a> BoleIndex<'a> {
     const SQUARE_M: f64 = 1.0;
 
     /// Boles are near to what is `beyond_m` from their feet.
