@@ -1,9 +1,9 @@
 //! The binary buffer: where each array lies, and writing it without holding it.
 
-use linden_pipeline::Monitor;
 use linden_pipeline::scene::{Bounds, Mesh};
 use linden_pipeline::stage::Stage;
 use linden_pipeline::wind::{Motion, PartWind};
+use linden_pipeline::{Monitor, Vec2};
 
 use super::byte_sink::ByteSink;
 use super::document::{Accessor, Attributes, BufferView, ComponentType, Mode};
@@ -40,6 +40,8 @@ pub(super) struct Layout {
 pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
+    /// The second set of texture coordinates.
+    lightmap: Option<usize>,
     /// What its vertices are told in, where they are in fewer bits.
     packing: Option<Packing>,
     pub indices: usize,
@@ -75,7 +77,7 @@ impl PrimitiveArrays {
             texcoord_0: Some(self.first + 2),
             tangent: self.with_tangents.then_some(self.first + 3),
             color_0: self.wind.packed.map(|[motions, ..]| motions),
-            texcoord_1: self.wind.packed.map(|[_, flat, _]| flat),
+            texcoord_1: self.lightmap.or(self.wind.packed.map(|[_, flat, _]| flat)),
             texcoord_2: self.wind.packed.map(|[.., high]| high),
             joints_0: self.wind.bindings.map(|[joints, _]| joints),
             weights_0: self.wind.bindings.map(|[_, weights]| weights),
@@ -113,7 +115,7 @@ impl Layout {
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
         for ((piece, plant), motions) in distinct.parts().zip(plants).zip(wind::motions(stage, distinct)) {
-            let MeshPart { mesh, bounds, material, wind, .. } = piece;
+            let MeshPart { mesh, bounds, material, wind, lightmap, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let quanta = layout.quanta.as_ref();
@@ -149,6 +151,14 @@ impl Layout {
                     f32s(&mut layout, "VEC4", 16);
                 }
             }
+            let lightmap = lightmap.as_ref().map(|_| {
+                if packing.is_some() {
+                    layout.push_packed(count, "VEC2", ComponentType::U16, 4);
+                } else {
+                    layout.push(count, "VEC2", ComponentType::F32, 8, ARRAY_BUFFER);
+                }
+                layout.accessors.len() - 1
+            });
             let kind = index_type(mesh);
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
@@ -160,6 +170,7 @@ impl Layout {
             layout.primitives.push(PrimitiveArrays {
                 first,
                 with_tangents,
+                lightmap,
                 packing,
                 indices,
                 wind,
@@ -418,6 +429,9 @@ impl Layout {
                 }
                 None => write_vertices(&piece.mesh, primitive.with_tangents, out)?,
             }
+            if let Some(set) = &piece.lightmap {
+                write_lightmap(set, primitive.packing.is_some(), out)?;
+            }
             write_triangles(&piece.mesh, out)?;
             let cube = primitive.packing.map(|(cube, _)| cube);
             piece.wind.map_or(Ok(()), |wind| wind::write(wind, cube, primitive.wind_cube, out))?;
@@ -447,6 +461,21 @@ fn write_vertices(mesh: &Mesh, with_tangents: bool, out: &mut impl ByteSink) -> 
     }
     if with_tangents {
         out.put(bytemuck::cast_slice(&tangents(mesh)))?;
+    }
+    Ok(())
+}
+
+/// V runs down, as in the first set.
+fn write_lightmap(set: &[Vec2], is_short: bool, out: &mut impl ByteSink) -> Result<(), ExportError> {
+    for piece in set.chunks(PIECE) {
+        let down = piece.iter().map(|at| [at.x, 1.0 - at.y]);
+        if is_short {
+            let steps: Vec<[u16; 2]> = down.map(|at| at.map(quantize::step)).collect();
+            out.put(bytemuck::cast_slice(&steps))?;
+        } else {
+            let plain: Vec<[f32; 2]> = down.collect();
+            out.put(bytemuck::cast_slice(&plain))?;
+        }
     }
     Ok(())
 }

@@ -25,10 +25,11 @@ mod wind;
 use std::borrow::Cow;
 use std::io;
 
-use linden_pipeline::Monitor;
+use linden_pipeline::memory::bytes_of;
 use linden_pipeline::picture::PictureFormat;
 use linden_pipeline::scene::{Translucency, Wrap};
 use linden_pipeline::stage::Stage;
+use linden_pipeline::{Monitor, Vec2};
 use serde_json::value::RawValue;
 
 pub(crate) use self::byte_sink::Base64;
@@ -44,12 +45,13 @@ use self::document::{
 use self::nodes::{SceneGraph, Standing};
 use self::options::{
     COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
-    note_translucency,
+    note_translucency, with_lightmap,
 };
 use self::quantize::Range;
 use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
+use crate::writing::lightmap::{self, LIGHTMAP_UV, Sharing};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory, note_asked};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable, Traces};
@@ -85,6 +87,7 @@ static GLTF: Format = Format {
         COMPRESS,
         LODS,
         WIND_AS,
+        LIGHTMAP_UV,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -110,6 +113,7 @@ static GLB: Format = Format {
         COMPRESS,
         LODS,
         WIND_AS,
+        LIGHTMAP_UV,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -201,6 +205,11 @@ fn distinct<'a>(
     if options.is_on("instances") {
         instances::unbake(&mut distinct, stage, bundle, monitor)?;
     }
+    if with_lightmap(&distinct, options, bundle) {
+        let is_parted = nodes::is_parted(stage, &distinct);
+        let sharing = if is_parted { Sharing::None } else { Sharing::Models };
+        lightmap::unwrap(&mut distinct, sharing, stage, bundle, monitor)?;
+    }
     Ok(distinct)
 }
 
@@ -244,7 +253,8 @@ fn pictures<'a>(
 fn own_bytes(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> u64 {
     let tangents =
         if pictures.is_empty() { 0 } else { memory::largest(distinct, memory::per_vertex::<[f32; 4]>) };
-    tangents + 2 * instances::bytes(distinct) + pictures::rounding_bytes(pictures)
+    let sets = distinct.parts().flat_map(|piece| &piece.lightmap).map(|set| bytes_of::<Vec2>(set.len()));
+    tangents + sets.sum::<u64>() + 2 * instances::bytes(distinct) + pictures::rounding_bytes(pictures)
 }
 
 /// How the embedded buffer's URI begins.

@@ -208,7 +208,7 @@ struct Graph<'a> {
 
 impl Graph<'_> {
     fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
-        let is_parted = self.is_parted();
+        let is_parted = is_parted(self.stage, self.distinct);
         let mut arrays = arrays.iter();
         for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
@@ -248,12 +248,6 @@ impl Graph<'_> {
         }
     }
 
-    /// Whether each part is a mesh. A level of detail of what has joints is one, because its node can have nothing
-    /// below it.
-    fn is_parted(&self) -> bool {
-        self.stage.is_single() && (self.bones[0].is_none() || self.distinct.levels(0) == 1)
-    }
-
     /// The nodes of all places.
     fn plants(&mut self) -> Vec<usize> {
         let stage = self.stage;
@@ -291,7 +285,7 @@ impl Graph<'_> {
         self.rigs.push(rig);
         let before = self.nodes.len();
         let levels = self.distinct.levels(place.plant);
-        if self.is_parted() {
+        if is_parted(self.stage, self.distinct) {
             let parts = self.parts(0, 0);
             self.skinned.extend(parts);
         } else {
@@ -418,6 +412,12 @@ impl Graph<'_> {
         }
         finest
     }
+}
+
+/// Whether each part is a mesh. A level of detail of what has joints is one, because its node can have nothing
+/// below it.
+pub(super) fn is_parted(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> bool {
+    stage.is_single() && (!has_bones(stage) || distinct.levels(0) == 1)
 }
 
 /// What the name of a level ends in.

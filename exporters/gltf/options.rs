@@ -4,7 +4,8 @@ use linden_pipeline::stage::Stage;
 
 use crate::Bundle;
 use crate::options::{OptionSpec, Options};
-use crate::writing::distinct::DistinctMeshes;
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::lightmap::LIGHTMAP_UV;
 
 pub const PICTURES: OptionSpec =
     OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
@@ -49,6 +50,19 @@ pub const WIND_AS: OptionSpec = OptionSpec::choice(
     "how shaders are told the wind: _WIND and _WINDPIVOT; or packed, 12 bytes a vertex in COLOR_0, TEXCOORD_1 and \
      TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0)",
 );
+
+/// Says why there is no second set where one was asked for: its place is taken by wind.
+pub fn with_lightmap(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
+    let swings = |piece: &MeshPart<'_>| piece.wind.is_some_and(|wind| wind.bones.is_none());
+    let is_taken = options.is_word("wind_as", "packed") && distinct.parts().any(swings);
+    let is_asked = options.is_on(LIGHTMAP_UV.knob.name);
+    if is_asked && is_taken {
+        bundle.note(
+            "lightmap_uv is left out: wind_as=packed has TEXCOORD_1; wind_as=attributes and wind=bones leave it free",
+        );
+    }
+    is_asked && !is_taken
+}
 
 pub const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
     "translucency",

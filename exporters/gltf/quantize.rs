@@ -103,6 +103,11 @@ impl Cube {
     }
 }
 
+/// A part of 1 as it is stored.
+pub(super) fn step(part: f32) -> u16 {
+    libm::roundf(part * STEPS) as u16
+}
+
 /// V runs down in glTF.
 fn down(uv: Vec2) -> Vec2 {
     Vec2::new(uv.x, 1.0 - uv.y)

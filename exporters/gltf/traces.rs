@@ -9,6 +9,7 @@ use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
 
 use super::recipe::document_bytes;
 use super::{DIFFUSE_TRANSMISSION, GLB, GLTF, WEBP};
+use crate::writing::lightmap::LIGHTMAP_UV;
 use crate::{Format, Readable, Traces};
 
 /// Of a `.glb`.
@@ -39,6 +40,20 @@ struct Document {
 #[serde(default)]
 struct Mesh {
     extras: Option<WindExtras>,
+    primitives: Vec<Primitive>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Primitive {
+    attributes: Attributes,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Attributes {
+    #[serde(rename = "TEXCOORD_1")]
+    second: Option<IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -122,6 +137,10 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
     let is_packed = |mesh: &Mesh| mesh.extras.as_ref().is_some_and(|told| told.linden_wind_cube.is_some());
     if document.meshes.iter().any(is_packed) {
         traces = traces.with("wind_as", "packed");
+    } else {
+        let mut primitives = document.meshes.iter().flat_map(|mesh| &mesh.primitives);
+        let has_second = primitives.any(|primitive| primitive.attributes.second.is_some());
+        traces = traces.with_switch(LIGHTMAP_UV.knob.name, has_second);
     }
     // Of one level nothing shows; a file for each is told by its name.
     let has_levels = document.nodes.iter().any(|node| node.name.ends_with("_LOD1"));

@@ -7,10 +7,11 @@ use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
 use super::payload::{self, Split};
-use super::{COLLISION, MOST, OPTIONS, bones, estimate, flavored, plant, write_beside, write_layer};
+use super::{COLLISION, MOST, OPTIONS, bones, estimate, flavored, mesh, plant, write_beside, write_layer};
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
+use crate::writing::lightmap::LIGHTMAP_UV;
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Gatherer, Holds, Readable, Traces};
 
 /// OpenUSD in binary.
@@ -80,7 +81,8 @@ pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
     let traces = Traces::none(format)
         .with_switch("pictures", names.has("UsdUVTexture"))
         .with_switch("skeleton", names.has("BasisCurves"))
-        .with_switch("proxy", names.has(plant::PROXY_PRIM));
+        .with_switch("proxy", names.has(plant::PROXY_PRIM))
+        .with_switch(LIGHTMAP_UV.knob.name, names.has(mesh::LIGHTMAP));
     let traces = flavored(traces, format, names.has(plant::LABELS));
     let is_told = |(shapes, most): &(&str, &str)| {
         let mut options = Options::new(format);
@@ -117,7 +119,8 @@ pub(super) fn mesh_bytes(piece: &MeshPart<'_>) -> u64 {
         let offsets = wind.targets.iter().map(|target| target.offsets.len() as u64).sum::<u64>();
         2 * 21 * vertices + 17 * offsets
     });
-    4096 + 37 * vertices + 14 * triangles + moved
+    let second = piece.lightmap.as_ref().map_or(0, |set| 8 * set.len() as u64);
+    4096 + 37 * vertices + 14 * triangles + moved + second
 }
 
 /// What a node of the skeleton takes.

@@ -4,6 +4,7 @@
 //! from the number of digits.
 
 use crate::collision;
+use crate::writing::lightmap::LIGHTMAP_UV;
 use crate::writing::mean_digits;
 use crate::{Amounts, Options};
 
@@ -18,6 +19,11 @@ const JOINT: u64 = 340;
 const JOINT_TEXT: u64 = 420;
 const TURN_TEXT: u64 = 48;
 
+/// Bytes a vertex that the second set of texture coordinates takes as text.
+fn second_set(options: &Options) -> f64 {
+    if options.is_on(LIGHTMAP_UV.knob.name) { 24.0 } else { 0.0 }
+}
+
 /// Bytes with these options, in one file or several, as binary: numbers take four bytes, indices one and a bit.
 pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
     let is_full = !options.is_word("flavor", "ar");
@@ -26,6 +32,7 @@ pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
     let curves = if options.is_on("skeleton") && is_full { 20.0 * (nodes + axes) as f64 } else { 0.0 };
     let meshes = 27.0 * vertices as f64 + 3.2 * triangles as f64 + 33.0 * amounts.placements as f64;
     let moved = 12.0 * amounts.wind_vectors() as f64 + 13.0 * amounts.target_vectors() as f64;
+    let meshes = meshes + second_set(options) / 3.0 * vertices as f64;
     let moved = moved + BOUND * amounts.bound_vertices() as f64;
     let moved = moved + (JOINT + 16 * amounts.frames) as f64 * amounts.joints as f64;
     let materialx = if options.is_on("materialx") && is_full { 400 * amounts.foliage_materials } else { 0 };
@@ -55,5 +62,6 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let shapes = if is_full { 520 * collision::expected(amounts.axes, options) } else { 0 };
     let around = around + shapes;
     let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
-    (85.0 * vertices as f64 + places + moved + faces + curves) as u64 + around + pictures
+    let second = second_set(options) * vertices as f64;
+    (85.0 * vertices as f64 + second + places + moved + faces + curves) as u64 + around + pictures
 }

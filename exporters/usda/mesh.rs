@@ -9,6 +9,10 @@ use linden_pipeline::wind::PartWind;
 use crate::ExportError;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 
+/// The second set of texture coordinates, and how the line begins that has it.
+pub(super) const LIGHTMAP: &str = "primvars:st1";
+pub(super) const LIGHTMAP_TRACE: &str = "texCoord2f[] primvars:st1";
+
 /// What a mesh is as a prim.
 pub(super) struct MeshPrim<'a> {
     /// The path of the prim that it is below.
@@ -60,6 +64,9 @@ color3f[] primvars:displayColor = [{}] (
     layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
     layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())?;
     primvar::<2>(layer, "texCoord2f[] primvars:st", bytemuck::cast_slice(&mesh.uvs))?;
+    if let Some(set) = &piece.lightmap {
+        layer.array(LIGHTMAP_TRACE, count, vertex, |i| set[i].to_array())?;
+    }
     if let Some(wind) = wind {
         wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
     }

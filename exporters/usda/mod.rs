@@ -61,6 +61,7 @@ use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
 use crate::usdc::Names;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::lightmap::{self, LIGHTMAP_UV, Sharing};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory, note_asked};
 use crate::{
@@ -102,12 +103,13 @@ const PAYLOAD: OptionSpec = OptionSpec::switch(
 );
 
 /// Of a layer with its pictures beside it.
-static OPTIONS: [OptionSpec; 9] = [
+static OPTIONS: [OptionSpec; 10] = [
     OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
     OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
     INSTANCES,
     MATERIALX,
     LODS,
+    LIGHTMAP_UV,
     COLLISION,
     MOST,
     PROXY,
@@ -153,6 +155,7 @@ static PACKAGE: Format = Format {
         INSTANCES,
         MATERIALX,
         LODS,
+        LIGHTMAP_UV,
         COLLISION,
         MOST,
         PROXY,
@@ -206,6 +209,9 @@ impl<'a> Writing<'a> {
         let with_instances = options.is_on("instances") && !is_ar;
         if with_instances {
             instances::unbake(&mut distinct, stage, bundle, monitor)?;
+        }
+        if options.is_on(LIGHTMAP_UV.knob.name) {
+            lightmap::unwrap(&mut distinct, Sharing::None, stage, bundle, monitor)?;
         }
         let mut pictures =
             if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
@@ -449,6 +455,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             "def BasisCurves ",
             collision::PRIM_TRACE,
             plant::PROXY_TRACE,
+            mesh::LIGHTMAP_TRACE,
             assembly::COVER_TRACE,
             plant::LABELS_TRACE,
             "def PointInstancer ",
@@ -457,7 +464,8 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, collision, proxy, _, labels, instances, camera, seasons, _] = seen?;
+    let [pictures, materialx, skeleton, collision, proxy, lightmap, _, labels, instances, camera, seasons, _] =
+        seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
     let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
@@ -466,7 +474,8 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         .with_switch("pictures", pictures)
         .with_switch("skeleton", skeleton)
         .with_switch("instances", instances)
-        .with_switch("proxy", proxy);
+        .with_switch("proxy", proxy)
+        .with_switch(LIGHTMAP_UV.knob.name, lightmap);
     let traces = flavored(traces, format, labels);
     let shapes = if collision { traces::behind(file, collision::TOLD_TRACE)? } else { None };
     let shapes = shapes.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
@@ -520,7 +529,8 @@ fn text_bytes(piece: &MeshPart<'_>) -> u64 {
         let moved = offsets.filter(|offset| **offset != Vec3::ZERO).count() as u64;
         2 * WIND_BYTES * vertices + (OFFSET_BYTES + digits) * moved
     });
-    4096 + 92 * vertices + (9 + 3 * digits) * triangles + moved
+    let second = piece.lightmap.as_ref().map_or(0, |set| 28 * set.len() as u64);
+    4096 + 92 * vertices + (9 + 3 * digits) * triangles + moved + second
 }
 
 /// What writing takes: of one mesh after the other, its texture coordinates each once (a table of

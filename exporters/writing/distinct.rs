@@ -10,6 +10,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use linden_pipeline::Monitor;
+use linden_pipeline::Vec2;
 use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::{Bounds, Material, Mesh, Scene};
 use linden_pipeline::stage::{Ground, Place, Sky, Stage};
@@ -87,6 +88,8 @@ pub struct MeshPart<'a> {
     pub wind: Option<&'a PartWind>,
     /// Where it stands, moved from its origin, instead of once as it is.
     pub copies: Option<MeshCopies<'a>>,
+    /// A second set of texture coordinates without overlaps, where one was asked for.
+    pub lightmap: Option<Vec<Vec2>>,
 }
 
 /// Where a mesh of a part stands in many places.
@@ -191,6 +194,7 @@ impl<'a> DistinctMeshes<'a> {
                         material: materials[part.material],
                         wind: part.wind.as_ref(),
                         copies: None,
+                        lightmap: None,
                     })
                     .collect();
                 distinct.models.push(PlantModel { scene, parts: pieces, materials });
@@ -246,7 +250,7 @@ impl<'a> DistinctMeshes<'a> {
         };
         let index = self.index_of(material, None, &mut names);
         let (name, mesh) = (Cow::Borrowed(name), Cow::Borrowed(mesh));
-        Ok(MeshPart { name, mesh, bounds, material: index, wind: None, copies: None })
+        Ok(MeshPart { name, mesh, bounds, material: index, wind: None, copies: None, lightmap: None })
     }
 
     /// The index of a material; lists it if it is new. `kind` is what its plant is called.

@@ -95,6 +95,7 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, piec
             material,
             wind: None,
             copies: Some(MeshCopies { part: &part.name, placements, seen }),
+            lightmap: None,
         });
     }
 }

@@ -87,6 +87,7 @@ mod asked;
 pub mod distinct;
 mod fit;
 pub mod instances;
+pub(crate) mod lightmap;
 pub mod memory;
 mod names;
 pub mod pictures;

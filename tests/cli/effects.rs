@@ -63,6 +63,33 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
             &["export", "simple", "-o", "x.glb", "--quantize", "--wind=sway"],
             "quantize is left out: the sway loop",
         ),
+        (
+            &[
+                "export",
+                "simple",
+                "-o",
+                "x.glb",
+                "--wind",
+                "--set",
+                "glb.wind_as=packed",
+                "--set",
+                "glb.lightmap_uv=true",
+            ],
+            "lightmap_uv is left out: wind_as=packed has TEXCOORD_1",
+        ),
+        (
+            &[
+                "export",
+                "simple",
+                "-o",
+                "x.usda",
+                "--set",
+                "junction=watertight",
+                "--set",
+                "usda.lightmap_uv=true",
+            ],
+            "lightmap_uv: ",
+        ),
     ] {
         let said = fine(run(&folder, args));
         assert!(notes(&said).iter().any(|line| line.starts_with(note)), "{args:?}: {}", said.err);

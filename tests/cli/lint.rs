@@ -118,3 +118,40 @@ fn what_lies_outside_is_not_read() {
         "{report}"
     );
 }
+
+#[test]
+fn the_second_set_of_texture_coordinates_shares_no_texel() {
+    let folder = Folder::new();
+    let on = ["--set", "glb.lightmap_uv=true", "--set", "usda.lightmap_uv=true"];
+    for (source, args) in [
+        // Limbs, moss, cards of twigs; levels down to a billboard.
+        ("oak", &["--triangles", "9000", "--lods", "3"][..]),
+        // Balls that fruits are.
+        ("apple", &["--set", "season=0.6", "--triangles", "9000"]),
+        // Parts of a level that are one mesh.
+        ("dressed-simple", &["--wind=bones", "--lods", "2", "--set", "points=60"]),
+        ("dressed-simple", &["--instances", "--set", "points=60"]),
+        ("dressed-simple", &["--scene", "--set", "points=60"]),
+        // Blades in one piece, flat stems.
+        ("abop-cordate", &[]),
+        ("abop-a", &[]),
+    ] {
+        let outputs = ["-o", "a.glb", "-o", "a.usda"];
+        let said = folder.run(&[&["export", source], args, &outputs, &on].concat());
+        assert!(said.code == Some(0) && !said.err.contains("lightmap_uv"), "{source} {args:?}: {}", said.err);
+        for file in ["a.glb", "a.usda"] {
+            let (_, report) = lint(&folder, &["--set", "lightmap-overlap.share=0", file]);
+            let rules = rules(&report);
+            assert!(!rules.contains(&"lightmap-overlap".to_owned()), "{source} {args:?} {file}: {report}");
+            let unseen = report["files"][0]["unseen"].to_string();
+            assert!(!unseen.contains("second set"), "{source} {args:?} {file}: {unseen}");
+        }
+        for name in folder.names() {
+            std::fs::remove_file(folder.file(&name)).unwrap();
+        }
+    }
+    // The rule sees them: bark that repeats is not for baked light.
+    folder.run(&["export", "oak", "-o", "a.glb", "--triangles", "9000"]).done();
+    let (_, report) = lint(&folder, &["--set", "uv-overlap=warn", "a.glb"]);
+    assert!(rules(&report).contains(&"uv-overlap".to_owned()), "{report}");
+}

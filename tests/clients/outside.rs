@@ -94,6 +94,13 @@ fn every_client_takes_every_option() {
         ("gltf", "odd name #2.gltf", &[]),
         ("glb", "plain.glb", &[("pictures", "false")]),
         ("glb", "quantized.glb", &[("quantize", "true")]),
+        ("glb", "lightmap.glb", &[("lightmap_uv", "true")]),
+        (
+            "glb",
+            "lightmap_small.glb",
+            &[("lightmap_uv", "true"), ("quantize", "true"), ("instances", "true")],
+        ),
+        ("usda", "lightmap.usda", &[("lightmap_uv", "true")]),
         ("glb", "jpeg.glb", &[("picture_format", "jpeg")]),
         ("gltf", "jpeg.gltf", &[("picture_format", "jpeg")]),
         ("glb", "webp.glb", &[("picture_format", "webp")]),
