@@ -65,7 +65,7 @@ color3f[] primvars:displayColor = [{}] (
     layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())?;
     primvar::<2>(layer, "texCoord2f[] primvars:st", bytemuck::cast_slice(&mesh.uvs))?;
     if let Some(set) = &piece.lightmap {
-        layer.array(LIGHTMAP_TRACE, count, vertex, |i| set[i].to_array())?;
+        primvar::<2>(layer, LIGHTMAP_TRACE, bytemuck::cast_slice(set))?;
     }
     if let Some(wind) = wind {
         wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;

@@ -390,7 +390,9 @@ mod tests {
             let before = least.clone();
             for triangle in &mesh.triangles {
                 let first = triangle.iter().map(|&vertex| least[vertex as usize]).min().unwrap();
-                triangle.iter().for_each(|&vertex| least[vertex as usize] = first);
+                for &vertex in triangle {
+                    least[vertex as usize] = first;
+                }
             }
             if least == before {
                 break;
