@@ -17,7 +17,7 @@ use crate::preset::{Form, Preset};
 use crate::provenance::TreeHash;
 use crate::recipe::{InputsError, Recipe};
 
-pub use linden_skeleton::generator::{Colonized, Fit, Obstruction, Obstructs, Scanned, Spread};
+pub use linden_skeleton::generator::{Colonized, Fit, Gaps, Obstruction, Obstructs, Scanned, Spread};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -283,16 +283,18 @@ pub fn grow_as(
     if let Some(measured) = &branched.measured {
         measured.admit(&branched.branching, monitor)?;
     }
-    let Built { skeleton, wood, organs, measured_nodes } =
+    let Built { mut skeleton, wood, organs, measured_nodes } =
         build(&mut branched, &recipe.preset, &wood, monitor)?;
-    let scan = match &branched.measured {
-        Some(measured) => measured.fit(&skeleton, monitor)?.map(|fit| Scanned {
-            points: measured.count(),
-            measured_nodes,
-            fit,
-        }),
-        None => None,
-    };
+    let mut scan = None;
+    if let Some(measured) = branched.measured.take()
+        && let Some(Gaps { fit, of_points_m, of_nodes_m }) = measured.gaps(&skeleton, monitor)?
+    {
+        for (fit, gap_m) in Arc::make_mut(&mut skeleton).fits.iter_mut().zip(of_nodes_m) {
+            fit.gap_m = gap_m;
+        }
+        let (points, gaps_m) = (Arc::new(measured.into_points()), Arc::new(of_points_m));
+        scan = Some(Scanned { points, gaps_m, measured_nodes, fit });
+    }
     let as_grown =
         AsGrown { skeleton, given: Arc::new(organs), age: branched.age, most_nodes: branched.most_nodes };
     let Shaped { skeleton, given, origins, remarks } = shape(&as_grown, &wood, &recipe.preset, monitor)?;

@@ -38,6 +38,7 @@ mod strokes;
 use linden_pipeline::memory::OverMemory;
 
 pub use camera::{Camera, View};
+pub use drawing::slice::{Cut, Slice};
 pub use drawing::{Drawing, draw_flat};
 pub use extent::Extent;
 pub use person::{PERSON_M, Person};

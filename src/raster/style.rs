@@ -6,6 +6,7 @@ use linden_pipeline::foliage::Organs;
 use linden_pipeline::grow::Obstruction;
 
 use crate::Extent;
+use crate::color::{linear, ramp};
 
 /// The quantity that the colour of the wood shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,17 +22,37 @@ pub enum Paint {
     Birth,
     /// How much of the sky it sees.
     Light,
+    /// Where the radius of a scanned tree comes from.
+    Source,
+    /// How far a scanned tree is from the points, up to [`Paint::FAR_M`].
+    Distance,
 }
 
 impl Paint {
     /// Every way to paint: its name for users, and what it shows.
-    pub const ALL: [(&'static str, Self, &'static str); 5] = [
+    pub const ALL: [(&'static str, Self, &'static str); 7] = [
         ("wood", Self::Wood, "the colour of bark"),
         ("order", Self::Order, "branching order, dark stem to bright twigs"),
         ("radius", Self::Radius, "thickness, dark thin to bright thick"),
         ("birth", Self::Birth, "when it grew, dark early to bright late"),
         ("light", Self::Light, "how much of the sky it sees, dark in the shade to bright in the open"),
+        (
+            "source",
+            Self::Source,
+            "of a scan: whether its thickness was measured (bright), carried on or guessed (dark)",
+        ),
+        ("distance", Self::Distance, "of a scan: how far bark and points are apart, dark 0 to bright 10 cm"),
     ];
+
+    /// From this distance on all have the same colour in [`Paint::Distance`], metres.
+    pub const FAR_M: f32 = 0.1;
+
+    /// Why a skeleton has nothing that it could show; `None` where it has.
+    pub fn hindrance(self, skeleton: &Skeleton) -> Option<&'static str> {
+        let is_of_scans = matches!(self, Self::Source | Self::Distance);
+        (is_of_scans && skeleton.fits.is_empty())
+            .then_some("it is for trees whose radii were measured on a scan, as they grew")
+    }
 
     /// The way to paint that a user means.
     pub fn named(name: &str) -> Option<Self> {
@@ -124,6 +145,8 @@ pub struct Style<'a> {
     pub points: &'a [Vec3],
     /// The dots' colour.
     pub point: [u8; 3],
+    /// How far each dot is from the bark, metres, or nothing: their colour in [`Paint::Distance`].
+    pub point_gaps_m: &'a [f32],
     /// Polylines, metres, drawn as thin lines: the crown's outline.
     pub outline: &'a [Vec<Vec3>],
     /// The lines' colour.
@@ -202,6 +225,7 @@ impl Style<'_> {
             grain: true,
             points: &[],
             point: [40, 122, 184],
+            point_gaps_m: &[],
             outline: &[],
             line: [70, 128, 150],
             obstructions: &[],
@@ -218,6 +242,13 @@ impl Style<'_> {
             draft: false,
             exposure: 1.2,
         }
+    }
+
+    /// The linear colour of each dot.
+    pub(crate) fn point_colors(&self) -> impl Fn(usize) -> Vec3 + use<'_> {
+        let plain = linear(self.point);
+        let gaps_m = if self.paint == Paint::Distance { self.point_gaps_m } else { &[] };
+        move |point| gaps_m.get(point).map_or(plain, |gap_m| ramp((gap_m / Paint::FAR_M).min(1.0)))
     }
 
     /// The sRGB colour of an organ: of its kind, or else the one of [`Style::leaf_colors`] that it names.
@@ -247,6 +278,7 @@ impl Style<'_> {
             grain: false,
             points: &[],
             point: [96, 176, 232],
+            point_gaps_m: &[],
             outline: &[],
             line: [94, 150, 170],
             obstructions: &[],

@@ -27,10 +27,12 @@ pub struct RadiusFit {
     pub arc_rad: f32,
     /// The standard error of the radius, metres, as far as noise goes.
     pub se_m: f32,
+    /// From the bark of the segment below to the nearest point, metres.
+    pub gap_m: f32,
 }
 
 impl RadiusFit {
     /// A guess.
     pub const GUESSED: Self =
-        Self { source: RadiusSource::Guessed, inliers: 0, mad_m: 0.0, arc_rad: 0.0, se_m: 0.0 };
+        Self { source: RadiusSource::Guessed, inliers: 0, mad_m: 0.0, arc_rad: 0.0, se_m: 0.0, gap_m: 0.0 };
 }

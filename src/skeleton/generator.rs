@@ -462,7 +462,7 @@ pub trait Measured: Send + Sync {
     /// Bytes that they take.
     fn bytes(&self) -> u64;
 
-    /// Asks for the memory of [`Measured::measure`] and [`Measured::fit`].
+    /// Asks for the memory of [`Measured::measure`] and [`Measured::gaps`].
     ///
     /// # Errors
     /// [`OverMemory`].
@@ -481,11 +481,14 @@ pub trait Measured: Send + Sync {
         monitor: &dyn Monitor,
     ) -> Result<Option<Vec<RadiusFit>>, Cancelled>;
 
-    /// How far the tree and the measurements are apart.
+    /// How far the tree and the measurements are apart; `None` where there is nothing to measure from or to.
     ///
     /// # Errors
     /// [`Cancelled`].
-    fn fit(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Fit>, Cancelled>;
+    fn gaps(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled>;
+
+    /// The points.
+    fn into_points(self: Box<Self>) -> Vec<Vec3>;
 }
 
 /// How space colonization went.
@@ -506,9 +509,14 @@ pub struct Colonized {
 }
 
 impl Colonized {
+    /// The points that people want to see: those of the scan, where it grew into one, else the attraction points.
+    pub fn seen(&self) -> &[Vec3] {
+        self.scan.as_ref().map_or(&self.points, |scan| &scan.points)
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        bytes_of::<Vec3>(self.points.capacity())
+        bytes_of::<Vec3>(self.points.capacity()) + self.scan.as_ref().map_or(0, Scanned::bytes)
     }
 }
 
@@ -526,14 +534,34 @@ pub struct InputTrees {
 }
 
 /// A scan, and how near the tree that grew into it came.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scanned {
-    /// Points of the tree: without ground, strays and noise.
-    pub points: usize,
+    /// Points of the tree, metres, where it stands: without ground, strays and noise.
+    pub points: Arc<Vec<Vec3>>,
+    /// How far each of them is from the bark, metres.
+    pub gaps_m: Arc<Vec<f32>>,
     /// Nodes whose radius was measured on points; the others' are carried on or guessed.
     pub measured_nodes: usize,
     /// Distances both ways.
     pub fit: Fit,
+}
+
+impl Scanned {
+    /// Bytes that its points take.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<Vec3>(self.points.capacity()) + bytes_of::<f32>(self.gaps_m.capacity())
+    }
+}
+
+/// How far measured points and a skeleton are apart, one by one and in all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gaps {
+    /// In all.
+    pub fit: Fit,
+    /// From each point to the bark, metres.
+    pub of_points_m: Vec<f32>,
+    /// From the bark of the segment below each node to the nearest point, metres; 0 at nodes that have none below.
+    pub of_nodes_m: Vec<f32>,
 }
 
 /// Distances between measured points and a skeleton, both ways. All are exact: to the nearest point of the

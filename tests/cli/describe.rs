@@ -302,7 +302,7 @@ fn stats_carry_every_promised_key_and_add_up() {
 }
 
 /// A picture's width and height, and its pixels.
-fn pixels(png: &[u8]) -> ((u32, u32), Vec<u8>) {
+pub fn pixels(png: &[u8]) -> ((u32, u32), Vec<u8>) {
     let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
     let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut bytes).unwrap();

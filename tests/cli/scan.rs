@@ -1,5 +1,6 @@
 //! `linden scan`: what it writes, what it refuses, and that a tree grows back from it.
 
+use crate::describe::pixels;
 use crate::program::Folder;
 
 /// A small tree, and few pulses.
@@ -86,5 +87,45 @@ fn what_cannot_be_scanned_is_said() {
     ] {
         let said = folder.run(&[&["scan", "orchard", "-o", "a.ply"], more].concat());
         assert!(said.code == Some(2) && said.err.contains(part), "{more:?}: {}", said.err);
+    }
+}
+
+#[test]
+fn a_scan_is_looked_at_in_slices_with_its_points_and_by_how_sure_its_radii_are() {
+    let folder = Folder::new();
+    assert_eq!(folder.run(&[&SMALL[..], &["-o", "scan.ply"]].concat()).code, Some(0));
+    let draw = |source: &str, args: &[&str]| -> (Vec<[u8; 3]>, String) {
+        let size = ["--size", "300x300", "-o", "-"];
+        let said = folder.run(&[&["preview", source], args, &size].concat());
+        assert_eq!(said.code, Some(0), "{args:?}: {}", said.err);
+        let (_, bytes) = pixels(&said.bytes);
+        let channels = bytes.len() / (300 * 300);
+        (bytes.chunks(channels).map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(), said.err)
+    };
+    let colors = |picture: &Vec<[u8; 3]>| picture.iter().collect::<std::collections::BTreeSet<_>>().len();
+    let blue = |picture: &Vec<[u8; 3]>| {
+        picture.iter().filter(|pixel| i32::from(pixel[2]) > i32::from(pixel[0]) + 60).count()
+    };
+    // The trunk fills the picture, with points round it; a tree that nobody scanned has none.
+    let (cut, _) = draw("scan.ply", &["--slice", "1.3"]);
+    let (grown, said) = draw("simple", &["--set=points=60", "--slice=1.3,0.05"]);
+    assert!(blue(&cut) > 20 && blue(&grown) == 0 && !said.contains("no wood"), "{} {said}", blue(&cut));
+    let middle = |picture: &Vec<[u8; 3]>| picture[150 * 300 + 150];
+    assert!(middle(&cut) != [255; 3] && middle(&grown) != [255; 3]);
+    let (above, said) = draw("scan.ply", &["--slice", "90"]);
+    assert!(colors(&above) == 1 && said.contains("no wood is cut there"), "{said}");
+    // Measured wood and guessed wood: two ends of a ramp, which wood without measurements does not have.
+    let (by_source, said) = draw("scan.ply", &["--color", "source"]);
+    assert!(!said.contains("--color changes nothing"), "{said}");
+    let (by_distance, _) = draw("scan.ply", &["--color", "distance", "--points"]);
+    assert!(by_source != by_distance);
+    let (_, said) = draw("simple", &["--set=points=60", "--color", "source"]);
+    assert!(said.contains("--color changes nothing: it is for trees whose radii were measured"), "{said}");
+    let svg = folder.run(&["preview", "scan.ply", "--slice", "1.3", "-o", "cut.svg"]);
+    assert_eq!(svg.code, Some(0), "{}", svg.err);
+    assert!(String::from_utf8(folder.read("cut.svg")).unwrap().contains("</svg>"));
+    for bad in ["x", "1.3,0", "-1", "1.3,0.1,2"] {
+        let said = folder.run(&["preview", "scan.ply", &format!("--slice={bad}"), "-o", "x.png"]);
+        assert!(said.code == Some(2) && said.err.contains("metres above the foot"), "{bad}: {}", said.err);
     }
 }

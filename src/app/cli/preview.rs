@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
+use linden::grow::Colonized;
 use linden::picture::Picture;
 use linden_raster::{Background, Camera, Paint, Size, Style};
 use linden_terminal::graphics::encode;
@@ -81,7 +82,8 @@ pub struct Preview {
     #[arg(long, alias = "style", value_enum)]
     look: Option<PreviewLook>,
 
-    /// What colour tells of a skeleton: wood (when not given), order, radius, birth or light
+    /// What colour tells of a skeleton: wood (when not given), order, radius, birth or light; of a scan also source
+    /// (measured or guessed) and distance (from the points)
     #[arg(long, value_parser = paint)]
     color: Option<Paint>,
 
@@ -93,9 +95,14 @@ pub struct Preview {
     #[arg(long, value_name = "N")]
     lod: Option<usize>,
 
-    /// Show the attraction points
+    /// Show the points that were scanned, or the attraction points
     #[arg(long)]
     points: bool,
+
+    /// Show a level cut at this height above the foot, from above, with the points of a scan this near to it
+    /// (0.1 m when not said)
+    #[arg(long, value_name = "M[,THICK]", value_parser = slice, conflicts_with_all = ["lod", "eye", "pitch", "outline", "person"])]
+    slice: Option<(f32, f32)>,
 
     /// Show the crown's outline
     #[arg(long)]
@@ -154,8 +161,12 @@ impl Preview {
             announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
         }
         let grown = super::grown(&source, &progress)?;
-        let points =
-            grown.colonized.as_ref().filter(|_| self.points).map(|colonized| colonized.points.as_slice());
+        if let Some(why) = self.color.and_then(|paint| paint.hindrance(&grown.skeleton)) {
+            super::notes(&[format!("--color changes nothing: {why}")], &progress);
+        }
+        let scan = grown.colonized.as_ref().and_then(|colonized| colonized.scan.as_ref());
+        let shows_points = self.points || (self.slice.is_some() && scan.is_some());
+        let points = grown.colonized.as_ref().filter(|_| shows_points).map(Colonized::seen);
         let outline = if self.outline {
             linden::grow::outline(&source.recipe, &progress).with_context(|| source.shown.clone())?
         } else {
@@ -172,13 +183,25 @@ impl Preview {
         let say = &mut |notes: &[String]| super::notes(notes, &progress);
         let sitter = Sitter::new(&source.recipe, &grown, look, self.lod, say, &progress);
         let sitter = sitter.with_context(|| source.shown.clone())?;
+        let sitter = match self.slice {
+            Some((height_m, thickness_m)) => sitter.cut(height_m, thickness_m),
+            None => sitter,
+        };
         let portrait = sitter.portrait();
-        let camera = portrait.camera(self.yaw, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
+        if let Some(slice) = portrait.slice
+            && slice.cuts(&grown.skeleton).is_empty()
+        {
+            super::notes(&["--slice: no wood is cut there".into()], &progress);
+        }
+        // A cut has no broad side.
+        let yaw_deg = self.yaw.or(self.slice.map(|_| 0.0));
+        let camera = portrait.camera(yaw_deg, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
         let camera = Camera { eye_m: self.eye, ..camera };
         let styled = |style: Style<'static>| {
             let style = Style {
                 paint: self.color.unwrap_or_default(),
                 points: points.unwrap_or_default(),
+                point_gaps_m: scan.map_or(&[], |scan| &scan.gaps_m),
                 outline: &outline,
                 obstructions: &obstructions,
                 person: self.person,
@@ -192,7 +215,7 @@ impl Preview {
             sitter.draw(&camera, &styled(style), size, &progress).with_context(|| source.shown.clone())
         };
         let Some(target) = target else { return self.show(&overrides, &progress, draw) };
-        let style = file_style(look == Some(PreviewLook::Turtle));
+        let style = file_style(look == Some(PreviewLook::Turtle) || self.slice.is_some());
         if is_svg {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             let size = Size::new(width, height).map_err(usage)?;
@@ -248,7 +271,7 @@ impl Preview {
                 Some(_) => Err(usage("an SVG is a flat drawing: leave --look out, or say --look turtle")),
             };
         }
-        let of_skeleton = self.color.is_some() || self.points || self.outline;
+        let of_skeleton = self.color.is_some() || self.points || self.outline || self.slice.is_some();
         Ok(self.look.or(of_skeleton.then_some(PreviewLook::Skeleton)))
     }
 }
@@ -306,6 +329,17 @@ fn zoom(text: &str) -> Result<f32, String> {
     finite(text)
         .filter(|z| (0.01..=1000.0).contains(z))
         .ok_or_else(|| "expected a number from 0.01 to 1000".to_owned())
+}
+
+fn slice(text: &str) -> Result<(f32, f32), String> {
+    let (height, thickness) = text.split_once(',').unwrap_or((text, "0.1"));
+    let pair = (finite(height.trim()), finite(thickness.trim()));
+    match pair {
+        (Some(height_m), Some(thickness_m)) if height_m >= 0.0 && thickness_m > 0.0 => {
+            Ok((height_m, thickness_m))
+        }
+        _ => Err("expected metres above the foot, like 1.3, or with a thickness, like 1.3,0.05".to_owned()),
+    }
 }
 
 fn eye(text: &str) -> Result<f32, String> {

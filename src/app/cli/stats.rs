@@ -82,10 +82,10 @@ impl Scan {
     }
 
     fn of_scanned(scanned: &Scanned) -> Self {
-        let Scanned { points, measured_nodes, fit } = *scanned;
+        let Scanned { measured_nodes, fit, .. } = *scanned;
         let of = |spread: Spread| Distances { mean_m: spread.mean_m, p95_m: spread.p95_m };
         Self {
-            points,
+            points: scanned.points.len(),
             measured_nodes,
             points_to_axis: of(fit.points_to_axis),
             points_to_surface: of(fit.points_to_surface),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::Vec3;
 use linden::picture::Picture;
 use linden::{Monitor, Skeleton};
-use linden_raster::{Camera, Handle, Paint, RasterError, Size, Style, draw_flat, draw_skeleton};
+use linden_raster::{Camera, Handle, Paint, RasterError, Size, Slice, Style, draw_flat, draw_skeleton};
 use linden_terminal::cells::{CellPicture, square_pixels};
 use linden_terminal::graphics::{Encoded, Protocol, encode};
 use linden_terminal::probe::{Capabilities, Graphics};
@@ -101,7 +101,9 @@ pub struct DrawRequest {
     pub camera: Camera,
     /// What of it.
     pub look: PictureLook,
-    /// With its attraction points.
+    /// Where it is cut, for a picture of that alone.
+    pub slice: Option<Slice>,
+    /// With the points of its scan, or its attraction points.
     pub points: bool,
     /// With its crown's outline.
     pub outline: bool,
@@ -155,6 +157,8 @@ pub struct Painted {
     pub shows_person: bool,
     /// What the ends of the colours mean, where these show a quantity.
     pub legend: Option<[String; 2]>,
+    /// Where the tree is cut, and how thick the thickest wood there is, for people.
+    pub cut: Option<String>,
     /// The level of detail that it shows, with its triangles.
     pub level: Option<(usize, u64)>,
     /// How long drawing took.
@@ -178,6 +182,7 @@ impl DrawRequest {
             && (self.stage, self.wind, self.level) == (other.stage, other.wind, other.level)
             && self.camera == other.camera
             && self.look == other.look
+            && self.slice == other.slice
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
             && self.obstructions == other.obstructions
             && self.marks == other.marks

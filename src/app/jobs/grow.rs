@@ -7,12 +7,13 @@ use glam::Vec3;
 use linden::Skeleton;
 use linden::foliage::{FoliageError, Organs};
 use linden::grow::{
-    GrowError, Grown, Obstruction, grow, grow_as, obstructions, outline, reedit, sprout, whole_girth,
+    Colonized, GrowError, Grown, Obstruction, grow, grow_as, obstructions, outline, reedit, sprout,
+    whole_girth,
 };
 use linden::monitor::Holding;
 use linden::recipe::Recipe;
 use linden::skeleton::{Girth, Measures, SkeletonError};
-use linden_raster::Extent;
+use linden_raster::{Extent, Slice};
 
 use super::Watcher;
 
@@ -128,7 +129,7 @@ fn grown_from(
         None => grow(recipe, watcher)?,
     };
     let took = last.map_or_else(|| started.elapsed(), |last| last.took);
-    let points = grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
+    let points = grown.colonized.as_ref().map_or(&[][..], Colonized::seen);
     let (outline, obstructions) = match last {
         Some(last) => (Arc::clone(&last.outline), Arc::clone(&last.obstructions)),
         None => (Arc::new(outline(recipe, watcher)?), Arc::new(obstructions(recipe, watcher)?)),
@@ -208,6 +209,9 @@ pub enum Framed {
     All,
 }
 
+/// From the lower side of a slice to the upper one, metres: enough for a sparse scan, and a trunk hardly tapers along it.
+const SLICE_M: f32 = 0.1;
+
 impl ShownTree {
     /// What pictures frame: the tree; with what stands beside it and what it grew in when that is shown; with a
     /// person when one is to stand there and the plant is large enough.
@@ -218,6 +222,16 @@ impl ShownTree {
             Framed::All => self.wide,
         };
         if person { extent.with_person(self.ground_m) } else { extent }
+    }
+
+    /// Its slice at a height above its foot, metres.
+    pub fn slice(&self, height_m: f32) -> Slice {
+        Slice { height_m: self.ground_m + height_m, thickness_m: SLICE_M }
+    }
+
+    /// How high above its foot a slice is, metres.
+    pub fn above_foot(&self, slice: Slice) -> f32 {
+        slice.height_m - self.ground_m
     }
 
     /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.

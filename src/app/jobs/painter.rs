@@ -1,18 +1,21 @@
 //! Draws the pictures that are wanted, and keeps what the next one may need.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Vec3;
 use linden::Skeleton;
 use linden::dress::{DetailError, DressError, dress, levels};
 use linden::foliage::Organs;
+use linden::grow::Colonized;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::preset::Preset;
 use linden::recipe::Recipe;
 use linden::scene::{Mesh, Part, Scene};
 use linden::wind::{Blow, Wind, blown};
-use linden_raster::{Paint, RasterError, Size, Style, Surface, draw_stage, draw_surface};
+use linden_raster::{Drawing, Paint, RasterError, Size, Slice, Style, Surface, draw_stage, draw_surface};
 use linden_terminal::graphics::Protocol;
 
 use super::draw::{
@@ -84,14 +87,20 @@ impl Painter {
             (_, true) => DRAFT_CELLS_BYTES,
         };
         let cells = medium.cells(&picture, size, (area.width, area.height), for_cells)?;
-        let view = request.subject.extent().map(|extent| request.camera.view(extent, size));
+        let cut = request.slice.zip(request.subject.tree());
+        let view = match cut {
+            Some((slice, shown)) => slice.view(&shown.grown.skeleton, &request.camera, size),
+            None => request.subject.extent().map(|extent| request.camera.view(extent, size)),
+        };
         let scale = view.map_or(0.0, |view| view.scale_at_target());
         let columns_per_m = scale * f32::from(area.width) / width as f32;
         let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());
         let legend = legend(&request);
         let level = request.level.zip(self.triangles(&request));
+        let cut = cut.map(|(slice, shown)| told(slice, shown));
         Ok(Painted {
             level,
+            cut,
             legend,
             cells,
             graphic,
@@ -115,14 +124,18 @@ impl Painter {
             Subject::Forest(forest) => return stand(forest, request, base, size, watcher),
             Subject::Word(word) => return written(word, request, base, size, watcher),
         };
-        let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
+        let scan = shown.grown.colonized.as_ref().and_then(|colonized| colonized.scan.as_ref());
+        let points = points(request, shown);
+        let gaps_m = scan.map_or(&[][..], |scan| &scan.gaps_m).iter().step_by(points.stride);
+        let gaps_m: Vec<f32> = gaps_m.copied().collect();
         let (marked, bare) = request.marked();
         let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
         let style = Style {
             marked,
             handles: request.handles(),
             paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
-            points: if request.points { points } else { &[] },
+            points: &points.places,
+            point_gaps_m: &gaps_m,
             outline: if request.outline { &shown.outline[..] } else { &[] },
             obstructions: if request.obstructions { &shown.obstructions[..] } else { &[] },
             person: request.person,
@@ -130,10 +143,16 @@ impl Painter {
             draft: request.detail == Detail::Draft,
             ..base
         };
+        let draw = |skeleton: &Skeleton, style: &Style<'_>| match request.slice {
+            Some(slice) => Drawing::of_slice(skeleton, slice, &request.camera, style, size, watcher)
+                .and_then(|drawing| drawing.picture(watcher)),
+            None => look.draw(skeleton, &request.camera, style, size, watcher),
+        };
         let drawn = match (look, request.stage) {
             // Until the surface is there, its skeleton is: a draft does not wait.
             (PictureLook::Surface, None)
-                if request.detail == Detail::Full || self.has_scene(shown, request.level) =>
+                if request.slice.is_none()
+                    && (request.detail == Detail::Full || self.has_scene(shown, request.level)) =>
             {
                 let Some(frame) = request.wind else {
                     let scene = self.scene(shown, request.level, false, watcher)?;
@@ -150,15 +169,13 @@ impl Painter {
                 let blown = request.wind.map(|frame| blown_at(shown, frame, watcher)).transpose()?;
                 let calm = (&*shown.grown.skeleton, &*shown.grown.organs);
                 let (skeleton, organs) = blown.as_ref().map_or(calm, |(wood, leaves)| (wood, leaves));
-                let style = Style { organs: (!bare).then_some(organs), ..style };
-                look.draw(skeleton, &request.camera, &style, size, watcher)
+                draw(skeleton, &Style { organs: (!bare).then_some(organs), ..style })
             }
             (_, Some(step)) => {
                 let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
                     return Ok(blank(size));
                 };
-                let style = Style { organs: Some(&organs), ..style };
-                look.draw(&skeleton, &request.camera, &style, size, watcher)
+                draw(&skeleton, &Style { organs: Some(&organs), ..style })
             }
         };
         drawn.map_err(unless_cancelled)
@@ -223,6 +240,46 @@ impl Painter {
     }
 }
 
+/// Where a tree is cut, and how thick the thickest wood there is.
+fn told(slice: Slice, shown: &ShownTree) -> String {
+    let skeleton = &shown.grown.skeleton;
+    let height_m = shown.above_foot(slice);
+    let cuts = slice.cuts(skeleton);
+    let Some(thickest) = cuts.iter().max_by(|a, b| a.radius_m.total_cmp(&b.radius_m)) else {
+        return format!("cut at {height_m:.2} m: no wood");
+    };
+    let fit = skeleton.fits.get(thickest.node as usize);
+    let source = fit.map_or_else(String::new, |fit| format!(" {}", fit.source.word()));
+    let more = if cuts.len() > 1 { format!(" · {} cuts", cuts.len()) } else { String::new() };
+    format!("cut at {height_m:.2} m · Ø {:.1} cm{source}{more}", 200.0 * thickest.radius_m)
+}
+
+/// Points that are shown of a tree.
+struct ShownPoints<'a> {
+    places: Cow<'a, [Vec3]>,
+    /// Every one of so many is.
+    stride: usize,
+}
+
+/// The points that a request shows: of a scan not more than can be told apart, unless it is cut.
+fn points<'a>(request: &DrawRequest, shown: &'a ShownTree) -> ShownPoints<'a> {
+    let colonized = shown.grown.colonized.as_ref();
+    let is_cut_scan = request.slice.is_some() && colonized.is_some_and(|colonized| colonized.scan.is_some());
+    let all = colonized.filter(|_| request.points || is_cut_scan).map_or(&[][..], Colonized::seen);
+    let most = match request.detail {
+        _ if request.slice.is_some() => usize::MAX,
+        Detail::Draft => DRAFT_POINTS,
+        Detail::Full => FULL_POINTS,
+    };
+    let stride = all.len().div_ceil(most).max(1);
+    let places = if stride == 1 { Cow::Borrowed(all) } else { all.iter().step_by(stride).copied().collect() };
+    ShownPoints { places, stride }
+}
+
+/// Points of a scan that a draft and a full picture show: more would hide each other.
+const DRAFT_POINTS: usize = 20_000;
+const FULL_POINTS: usize = 250_000;
+
 /// What the darkest and the brightest colour of a look mean.
 fn legend(request: &DrawRequest) -> Option<[String; 2]> {
     let PictureLook::Skeleton(paint) = request.look else { return None };
@@ -243,6 +300,9 @@ fn legend(request: &DrawRequest) -> Option<[String; 2]> {
         }
         Paint::Birth => Some(["step 0".to_owned(), shown.steps.to_string()]),
         Paint::Light => Some(["shade".to_owned(), "open sky".to_owned()]),
+        _ if paint.hindrance(skeleton).is_some() => None,
+        Paint::Source => Some(["guessed".to_owned(), "measured".to_owned()]),
+        Paint::Distance => Some(["at the points".to_owned(), "10 cm off".to_owned()]),
     }
 }
 

@@ -175,6 +175,7 @@ fn of_scene(scene: &Scene) -> Portrait<'_> {
         leaf_colors: scene.organs.colors(),
         scene: None,
         is_flat: false,
+        slice: None,
     }
 }
 

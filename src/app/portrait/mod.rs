@@ -14,7 +14,8 @@ use linden::scene::Scene;
 use linden_exporters::{Bundle, ExportError};
 use linden_raster::memory::admit_png;
 use linden_raster::{
-    Background, Camera, Drawing, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
+    Background, Camera, Drawing, RasterError, Size, Slice, Style, Surface, draw_flat, draw_skeleton,
+    draw_surface,
 };
 
 use crate::viewpoint::broad_side;
@@ -40,6 +41,8 @@ pub struct Portrait<'a> {
     pub scene: Option<&'a Scene>,
     /// Whether it is drawn flat.
     pub is_flat: bool,
+    /// Where it is cut, for a picture of that alone.
+    pub slice: Option<Slice>,
 }
 
 impl<'a> Portrait<'a> {
@@ -68,6 +71,9 @@ impl<'a> Portrait<'a> {
         size: Size,
         monitor: &dyn Monitor,
     ) -> Result<Picture, RasterError> {
+        if let Some(slice) = self.slice {
+            return Drawing::of_slice(self.skeleton, slice, camera, style, size, monitor)?.picture(monitor);
+        }
         match self.scene {
             Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, monitor),
             None if self.is_flat => draw_flat(self.skeleton, camera, style, size, monitor),
@@ -87,7 +93,11 @@ impl<'a> Portrait<'a> {
         recipe: &str,
         monitor: &dyn Monitor,
     ) -> Result<String, RasterError> {
-        Ok(Drawing::new(self.skeleton, camera, style, size, monitor)?.svg(Some(recipe)))
+        let drawing = match self.slice {
+            Some(slice) => Drawing::of_slice(self.skeleton, slice, camera, style, size, monitor)?,
+            None => Drawing::new(self.skeleton, camera, style, size, monitor)?,
+        };
+        Ok(drawing.svg(Some(recipe)))
     }
 }
 

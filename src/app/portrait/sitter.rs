@@ -8,7 +8,7 @@ use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::recipe::Recipe;
 use linden::scene::Scene;
-use linden_raster::{Camera, Size, Style};
+use linden_raster::{Camera, Size, Slice, Style};
 
 use super::Portrait;
 use crate::exit::usage;
@@ -35,6 +35,7 @@ pub struct Sitter<'a> {
     scene: Option<Scene>,
     /// Whether it is drawn flat.
     is_flat: bool,
+    slice: Option<Slice>,
 }
 
 impl<'a> Sitter<'a> {
@@ -61,7 +62,7 @@ impl<'a> Sitter<'a> {
             _ => at_level(recipe, grown, level, say, monitor),
         });
         let is_flat = look == Some(PreviewLook::Turtle);
-        Ok(Self { recipe, grown, scene: scene.transpose()?, is_flat })
+        Ok(Self { recipe, grown, scene: scene.transpose()?, is_flat, slice: None })
     }
 
     /// A tree in each of its levels of detail, finest first.
@@ -79,8 +80,15 @@ impl<'a> Sitter<'a> {
         Ok(all
             .levels
             .into_iter()
-            .map(|level| Self { recipe, grown, scene: Some(level.scene), is_flat: false })
+            .map(|level| Self { recipe, grown, scene: Some(level.scene), is_flat: false, slice: None })
             .collect())
+    }
+
+    /// The same, cut at a height above its foot, metres.
+    #[must_use]
+    pub fn cut(self, height_m: f32, thickness_m: f32) -> Self {
+        let foot_m = self.grown.skeleton.positions.iter().map(|place| place.y).fold(f32::INFINITY, f32::min);
+        Self { slice: Some(Slice { height_m: foot_m + height_m, thickness_m }), ..self }
     }
 
     /// Whether it is dressed.
@@ -108,6 +116,7 @@ impl<'a> Sitter<'a> {
             leaf_colors: self.recipe.preset.dressing.foliage.turtle_colors(),
             scene: self.scene.as_ref(),
             is_flat: self.is_flat,
+            slice: self.slice,
         }
     }
 

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::neighbours::Neighbours;
 use super::segments::Segments;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_skeleton::generator::{Fit, Spread};
+use linden_skeleton::generator::{Fit, Gaps, Spread};
 use linden_skeleton::{Branching, NO_PARENT, Skeleton};
 
 /// Measures how far `points` (metres, where the skeleton stands) are from the skeleton, and back. `None`
@@ -14,7 +14,7 @@ use linden_skeleton::{Branching, NO_PARENT, Skeleton};
 ///
 /// # Errors
 /// [`Cancelled`].
-pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Fit>, Cancelled> {
+pub fn gaps(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled> {
     let Skeleton { positions, parents, radii, .. } = skeleton;
     let Some(segments) = Segments::new(positions, parents).filter(|_| !points.is_empty()) else {
         return Ok(None);
@@ -28,7 +28,8 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
     };
     let nearest = segments.nearest(points, monitor)?;
     let to_axis: Vec<f64> = nearest.iter().map(|n| n.distance_m).collect();
-    let to_surface = nearest.iter().map(|n| (n.distance_m - radius_m(n.node, n.t)).abs()).collect();
+    let to_surface: Vec<f64> = nearest.iter().map(|n| (n.distance_m - radius_m(n.node, n.t)).abs()).collect();
+    let of_points_m = to_surface.iter().map(|&gap| gap as f32).collect();
 
     monitor.check()?;
     let scanned: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
@@ -42,6 +43,10 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
     };
     let middles: Vec<DVec3> = nodes.iter().map(|&node| ends(node)[0].midpoint(ends(node)[1])).collect();
     let back = away(&middles)?;
+    let mut of_nodes_m = vec![0.0; positions.len()];
+    for (&node, &to_axis_m) in nodes.iter().zip(&back) {
+        of_nodes_m[node as usize] = (to_axis_m - radius_m(node, 0.5)).abs() as f32;
+    }
     let back_to_surface = away(&on_surface(&nodes, ends, &radius_m))?;
     let spreads =
         [Spread::of(to_axis), Spread::of(to_surface), Spread::of(back), Spread::of(back_to_surface)];
@@ -50,7 +55,8 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
     else {
         return Ok(None);
     };
-    Ok(Some(Fit { points_to_axis, points_to_surface, axis_to_points, surface_to_points }))
+    let fit = Fit { points_to_axis, points_to_surface, axis_to_points, surface_to_points };
+    Ok(Some(Gaps { fit, of_points_m, of_nodes_m }))
 }
 
 /// Places on the bark, about as many, for the way from there to the points.
@@ -150,7 +156,12 @@ mod tests {
             (0..100).map(|i| Vec3::new(0.3, Key::new(1).child(i).unit() as f32 * 2.0, 0.0)).collect();
         points[7] = Vec3::new(0.0, 2.5, 0.0);
         points[8] = Vec3::new(-0.3, 1.0, 0.0);
-        let fit = fit(&points, &skeleton, &Quiet).unwrap().unwrap();
+        let Gaps { fit, of_points_m, of_nodes_m } = gaps(&points, &skeleton, &Quiet).unwrap().unwrap();
+        assert!(
+            (of_points_m[7] - 0.4).abs() < 1e-5 && (of_points_m[0] - 0.2).abs() < 1e-5,
+            "{of_points_m:?}"
+        );
+        assert!(of_nodes_m[0] == 0.0 && (of_nodes_m[1] - 0.2).abs() < 1e-5, "{of_nodes_m:?}");
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
         assert!(
             near(fit.points_to_axis.mean_m, (99.0 * 0.3 + 0.5) / 100.0)
@@ -161,6 +172,6 @@ mod tests {
         // From bark all around to points on one side, about: between 0.2 and 0.4 m, as much of each by area.
         let back = fit.surface_to_points;
         assert!((0.29..0.32).contains(&back.mean_m) && (0.38..0.42).contains(&back.p95_m), "{back:?}");
-        assert_eq!(super::fit(&[], &skeleton, &Quiet), Ok(None));
+        assert_eq!(super::gaps(&[], &skeleton, &Quiet), Ok(None));
     }
 }

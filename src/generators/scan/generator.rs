@@ -9,7 +9,7 @@ use linden_base::monitor::{Cancelled, Monitor, Quiet};
 use linden_growth::stand::grow_at;
 use linden_growth::{Origin, Stand, StandError};
 use linden_skeleton::generator::{
-    Branched, Fit, Generator, GeneratorError, InputTrees, KeyContent, Measured, Passage, RadiiFrom,
+    Branched, Gaps, Generator, GeneratorError, InputTrees, KeyContent, Measured, Passage, RadiiFrom,
     SampleSize, Sampler, Settings, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZATION};
@@ -19,7 +19,7 @@ use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, Prepared, at_points};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, fit, girth, trees};
+use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, gaps, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
@@ -333,7 +333,11 @@ impl Measured for Bark {
         }))
     }
 
-    fn fit(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Fit>, Cancelled> {
-        fit(&self.points, skeleton, monitor)
+    fn gaps(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled> {
+        gaps(&self.points, skeleton, monitor)
+    }
+
+    fn into_points(self: Box<Self>) -> Vec<Vec3> {
+        self.points
     }
 }

@@ -271,6 +271,7 @@ impl Round {
                     mad_m: circle.mad_m as f32,
                     arc_rad: circle.arc_rad as f32,
                     se_m: circle.se_m as f32,
+                    gap_m: 0.0,
                 };
             }
         }

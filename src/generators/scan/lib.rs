@@ -14,7 +14,7 @@
 //! 6. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
 //! What the cloud says of its units and its upward axis stands in `frame`. After growth radii are measured
-//! on the points (`girth`), and [`fit`](fit()) says how far skeleton and points are apart.
+//! on the points (`girth`), and [`gaps`] says how far skeleton and points are apart.
 //!
 //! Everything is deterministic and takes O(n log n).
 //!
@@ -73,7 +73,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 
 pub use clean::{Distinct, distinct, drop_far};
 pub use error::ScanGrowthError;
-pub use fit::fit;
+pub use fit::gaps;
 pub use fit::share_near;
 pub use frame::shows_stem;
 pub use frame::{likely_scale, unusual_up};

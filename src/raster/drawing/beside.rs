@@ -1,9 +1,12 @@
 //! What is drawn beside the plant: attraction points, the crown's outline, what is pointed at, a person, a scale.
 
+use std::collections::BTreeMap;
+
 use glam::{Vec2, Vec3};
 use linden_pipeline::Monitor;
 
 use super::outline::{Place, disc, tapered};
+use super::trace::bytes;
 use super::{Drawing, Kind, Word};
 use crate::person::LIMBS;
 use crate::strokes::handles::discs;
@@ -79,16 +82,24 @@ fn points(
     monitor: &dyn Monitor,
 ) -> Result<(), RasterError> {
     let frame = Vec2::new(drawing.size.width() as f32, drawing.size.height() as f32);
-    for part in style.points.chunks(CHECK_EVERY) {
-        monitor.check()?;
-        drawing.shape(Kind::Rings, style.point, 0.85, |drawing| {
-            for point in part.iter().filter(|point| point.is_finite()) {
-                let at = view.project(*point).at;
-                if at.cmpge(Vec2::ZERO).all() && at.cmple(frame).all() {
-                    disc(drawing, Place { at, half });
-                }
-            }
-        });
+    let color_of = style.point_colors();
+    let mut by_color: BTreeMap<[u8; 3], Vec<Vec2>> = BTreeMap::new();
+    for (i, point) in style.points.iter().enumerate() {
+        if i % CHECK_EVERY == 0 {
+            monitor.check()?;
+        }
+        let at = view.project(*point).at;
+        if point.is_finite() && at.cmpge(Vec2::ZERO).all() && at.cmple(frame).all() {
+            by_color.entry(bytes(color_of(i))).or_default().push(at);
+        }
+    }
+    for (color, places) in by_color {
+        for part in places.chunks(CHECK_EVERY) {
+            monitor.check()?;
+            drawing.shape(Kind::Rings, color, 0.85, |drawing| {
+                part.iter().for_each(|&at| disc(drawing, Place { at, half }));
+            });
+        }
     }
     Ok(())
 }

@@ -22,6 +22,7 @@ pub mod label;
 mod obstructions;
 mod outline;
 mod paint;
+pub mod slice;
 mod svg;
 #[cfg(test)]
 mod tests;

@@ -306,7 +306,7 @@ fn tone(normal: Vec3) -> f32 {
 }
 
 /// Linear light as bytes.
-fn bytes(light: Vec3) -> [u8; 3] {
+pub(super) fn bytes(light: Vec3) -> [u8; 3] {
     (encoded(light) * 255.0 + 0.5).to_array().map(|c| c as u8)
 }
 

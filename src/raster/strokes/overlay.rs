@@ -34,7 +34,7 @@ pub(crate) fn trace(
     let mut runs = Runs::default();
     obstructions::trace(style, framed, view, air, size, &mut runs, monitor)?;
     let frame = Vec2::new(size.width() as f32, size.height() as f32);
-    let color = linear(style.point);
+    let color = style.point_colors();
     let (radius_px, alpha) = faded(frame.min_element() / 400.0, 0.5, 3.0);
     for (i, &point) in style.points.iter().enumerate() {
         if i % CHECK_EVERY == 0 {
@@ -44,7 +44,7 @@ pub(crate) fn trace(
         if point.is_finite() && seen.at.cmpge(Vec2::ZERO).all() && seen.at.cmple(frame).all() {
             runs.begin(
                 Kind::Thick,
-                dot(seen, radius_px, air.haze(color, seen.depth_m), 0.85 * alpha * alpha),
+                dot(seen, radius_px, air.haze(color(i), seen.depth_m), 0.85 * alpha * alpha),
             );
         }
     }

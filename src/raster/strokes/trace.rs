@@ -5,8 +5,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::skeleton::WidthSteps;
-use linden_pipeline::skeleton::{Axis, Forks};
+use linden_pipeline::skeleton::{Axis, Forks, RadiusFit, RadiusSource, WidthSteps};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
@@ -38,7 +37,9 @@ const AXES_PER_TASK: usize = 256;
 pub(crate) fn bytes(skeleton: &Skeleton, style: &Style) -> u64 {
     let marks = if style.until.is_some() { skeleton.positions.len() as u64 } else { 0 };
     let values = match style.paint {
-        Paint::Order | Paint::Light => bytes_of::<u32>(skeleton.positions.len()),
+        Paint::Order | Paint::Light | Paint::Source | Paint::Distance => {
+            bytes_of::<u32>(skeleton.positions.len())
+        }
         Paint::Wood | Paint::Radius | Paint::Birth => 0,
     };
     let kept = if style.draft { bytes_of::<[u32; 4]>(skeleton.positions.len()) } else { 0 };
@@ -261,6 +262,13 @@ pub(super) fn dot(seen: Projected, radius_px: f32, color: Vec3, alpha: f32) -> S
     Stroke { ends, half_widths, depth_m, alpha, color, bar: None, caps: [Cap::Round; 2] }
 }
 
+/// A value of each node by what bears out its radius; of wood that nobody measured, 0.
+fn of_fits(skeleton: &Skeleton, value: impl Fn(&RadiusFit) -> f32) -> Vec<f32> {
+    let mut values: Vec<f32> = skeleton.fits.iter().map(value).collect();
+    values.resize(skeleton.positions.len(), 0.0);
+    values
+}
+
 /// What each node is painted with, before light.
 pub(crate) struct Colors<'a> {
     values: Values<'a>,
@@ -285,6 +293,12 @@ impl<'a> Colors<'a> {
             Paint::Wood | Paint::Radius => Values::Radii(&skeleton.radii),
             Paint::Birth => Values::Steps(Cow::Borrowed(&skeleton.births)),
             Paint::Light => Values::Shares(sky_shares(skeleton, style.organs)),
+            Paint::Source => Values::Shares(of_fits(skeleton, |fit| match fit.source {
+                RadiusSource::Measured => 1.0,
+                RadiusSource::Carried => 0.5,
+                RadiusSource::Guessed => 0.0,
+            })),
+            Paint::Distance => Values::Shares(of_fits(skeleton, |fit| fit.gap_m / Paint::FAR_M)),
             Paint::Order => {
                 let mut orders = vec![0; skeleton.positions.len()];
                 for axis in &skeleton.axes {

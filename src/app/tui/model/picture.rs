@@ -9,12 +9,14 @@ use crate::jobs::{Painted, PictureLook, ShownTree};
 
 impl PictureLook {
     /// All, in the order in which a key goes through them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 9] = [
         Self::Skeleton(Paint::Wood),
         Self::Skeleton(Paint::Order),
         Self::Skeleton(Paint::Radius),
         Self::Skeleton(Paint::Birth),
         Self::Skeleton(Paint::Light),
+        Self::Skeleton(Paint::Source),
+        Self::Skeleton(Paint::Distance),
         Self::Surface,
         Self::Turtle,
     ];
@@ -29,6 +31,8 @@ impl PictureLook {
             Self::Skeleton(Paint::Radius) => "radius",
             Self::Skeleton(Paint::Birth) => "birth",
             Self::Skeleton(Paint::Light) => "light",
+            Self::Skeleton(Paint::Source) => "source",
+            Self::Skeleton(Paint::Distance) => "distance",
         }
     }
 
@@ -36,6 +40,14 @@ impl PictureLook {
     /// are.
     pub fn usual(shown: &ShownTree) -> Self {
         if shown.grown.organs.shapes.is_empty() { Self::Skeleton(Paint::Wood) } else { Self::Surface }
+    }
+
+    /// Why a tree is not drawn so; `None` where it is.
+    pub fn hindrance(self, shown: &ShownTree) -> Option<&'static str> {
+        match self {
+            Self::Skeleton(paint) => paint.hindrance(&shown.grown.skeleton),
+            Self::Surface | Self::Turtle => None,
+        }
     }
 
     /// The look of a name.
@@ -55,7 +67,9 @@ pub struct PictureState {
     pub is_look_chosen: bool,
     /// The level of detail that is looked at, the finest being 0; `None` for all that grew.
     pub level: Option<usize>,
-    /// Whether attraction points are.
+    /// The height above the foot at which the tree is cut, metres; `None`: it is whole.
+    pub slice_m: Option<f32>,
+    /// Whether the points of its scan are, or attraction points.
     pub points: bool,
     /// Whether the crown's outline is.
     pub outline: bool,
@@ -84,6 +98,7 @@ impl Default for PictureState {
             look: PictureLook::Skeleton(Paint::Wood),
             is_look_chosen: false,
             level: None,
+            slice_m: None,
             points: false,
             outline: false,
             obstructions: true,

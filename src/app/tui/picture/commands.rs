@@ -14,6 +14,10 @@ use crate::tui::model::{Command, Model, free, without_picture, without_tree};
 const TURN_DEG: f32 = 6.0;
 /// Share of the picture's half a key.
 const PAN: f32 = 0.08;
+/// Breast height, metres.
+const BREAST_M: f32 = 1.3;
+/// Metres that a key moves a slice.
+const SLICE_STEP_M: f32 = 0.1;
 /// Closer by a key.
 const ZOOM: f32 = 1.2;
 
@@ -91,10 +95,42 @@ fn next_level(model: &mut Model) {
 
 fn cycle_look(model: &mut Model, by: usize) {
     model.picture.is_look_chosen = true;
-    let at = PictureLook::ALL.iter().position(|look| *look == model.picture.look).unwrap_or(0);
-    model.picture.look = PictureLook::ALL[(at + by) % PictureLook::ALL.len()];
+    let all = PictureLook::ALL;
+    let at = all.iter().position(|look| *look == model.picture.look).unwrap_or(0);
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    let mut others = (1..=all.len()).map(|step| all[(at + step * by) % all.len()]);
+    // Some are for scans alone.
+    let next = others.find(|look| shown.is_none_or(|shown| look.hindrance(shown).is_none()));
+    model.picture.look = next.unwrap_or(model.picture.look);
     let name = model.picture.look.name();
     model.say(format!("drawn: {name}"));
+}
+
+fn is_whole(model: &Model) -> Option<String> {
+    without_tree(model)
+        .or_else(|| model.picture.slice_m.is_none().then(|| "the tree is whole; Z cuts it".to_owned()))
+}
+
+/// Cuts the tree at breast height, or a low one in its middle; or shows all of it again.
+fn toggle_slice(model: &mut Model) {
+    let Some(shown) = model.tree.as_ref().and_then(|tree| tree.shown.as_ref()) else { return };
+    let height_m = shown.measures.height_m as f32;
+    let first_m = if height_m > BREAST_M { BREAST_M } else { height_m / 2.0 };
+    let picture = &mut model.picture;
+    picture.slice_m = if picture.slice_m.is_some() { None } else { Some(first_m) };
+    (picture.camera.zoom, picture.camera.pan) = (1.0, Vec2::ZERO);
+    if picture.slice_m.is_none() {
+        model.say("the whole tree again");
+    }
+}
+
+fn move_slice(model: &mut Model, by_m: f32) {
+    let Some(shown) = model.tree.as_ref().and_then(|tree| tree.shown.as_ref()) else { return };
+    let height_m = shown.measures.height_m as f32;
+    if let Some(slice_m) = &mut model.picture.slice_m {
+        // In steps of a centimetre, so that 1.3 m is found again.
+        *slice_m = (((*slice_m + by_m) * 100.0).round() / 100.0).clamp(0.0, height_m);
+    }
 }
 
 /// Rows that turn the tree and come closer, for dialogs that leave the picture in sight: left, right, up, down,
@@ -345,11 +381,41 @@ pub const COMMANDS: &[Command] = &[
         id: "overlay-points",
         context: Context::GLOBAL,
         keys: &["P"],
-        title: "Attraction points",
-        help: "Shows or hides the points that the tree reaches for",
+        title: "Points",
+        help: "Shows or hides the points that were scanned, or those that the tree reaches for",
         hint: None,
         hindrance: has_no_points,
         run: |model, _| model.picture.points = !model.picture.points,
+    },
+    Command {
+        id: "slice",
+        context: Context::GLOBAL,
+        keys: &["Z"],
+        title: "Slice",
+        help: "Cuts the tree at breast height and looks at the cut from above, with the points of its scan; again: all of it",
+        hint: None,
+        hindrance: without_tree,
+        run: |model, _| toggle_slice(model),
+    },
+    Command {
+        id: "slice-lower",
+        context: Context::GLOBAL,
+        keys: &["["],
+        title: "Slice lower",
+        help: "Cuts the tree 10 cm lower",
+        hint: None,
+        hindrance: is_whole,
+        run: |model, _| move_slice(model, -SLICE_STEP_M),
+    },
+    Command {
+        id: "slice-higher",
+        context: Context::GLOBAL,
+        keys: &["]"],
+        title: "Slice higher",
+        help: "Cuts the tree 10 cm higher",
+        hint: None,
+        hindrance: is_whole,
+        run: |model, _| move_slice(model, SLICE_STEP_M),
     },
     Command {
         id: "overlay-outline",

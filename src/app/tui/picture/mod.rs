@@ -117,7 +117,10 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     }
     let shown = model.tree.as_ref()?.shown.as_ref()?;
     let picture = &model.picture;
-    let person = picture.scale && model.config.settings.person;
+    let marks = wood::marks(model, shown).or_else(|| crown::marks(model));
+    // What is pointed at is somewhere else.
+    let slice = picture.slice_m.filter(|_| marks.is_none()).map(|height_m| shown.slice(height_m));
+    let person = picture.scale && model.config.settings.person && slice.is_none();
     Some(DrawRequest {
         subject: Subject::Tree(Arc::clone(shown)),
         stage: model.growth.step(),
@@ -128,11 +131,12 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
             ..picture.camera
         },
         look: picture.look,
+        slice,
         points: picture.points,
         outline: picture.outline,
         obstructions: picture.obstructions,
         person,
-        marks: wood::marks(model, shown).or_else(|| crown::marks(model)),
+        marks,
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),
@@ -172,6 +176,7 @@ fn plain(model: &Model, subject: Subject, area: Rect) -> DrawRequest {
         wind: None,
         level: None,
         look: PictureLook::Surface,
+        slice: None,
         points: false,
         outline: false,
         obstructions: false,

@@ -63,3 +63,59 @@ fn what_stands_in_the_way_is_shown_and_framed_until_it_is_hidden() {
     let said = bench.model.message.clone().unwrap().text;
     assert!(said.contains("nothing stands in the way here"), "{said}");
 }
+
+#[test]
+fn a_cut_is_looked_at_from_above_moved_and_said_with_its_thickness() {
+    let mut bench = Bench::new(120, 40).with_plain("simple");
+    let said = |bench: &Bench| bench.model.message.as_ref().map(|said| said.text.clone()).unwrap_or_default();
+    bench.keys("]");
+    assert!(said(&bench).contains("Z cuts it"), "{}", said(&bench));
+    bench.keys("Z").settle();
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    // Cylinders go from node to node: one of the stem holds the level.
+    let thickness_cm = |height_m: f32| {
+        let cylinders = shown.grown.skeleton.cylinders();
+        let foot = shown.grown.skeleton.positions.iter().map(|place| place.y).fold(f32::INFINITY, f32::min);
+        // How far along each the level is.
+        let along =
+            cylinders.iter().map(|one| (foot + height_m - one.start.y) / (one.length_m * one.direction.y));
+        let held = cylinders.iter().zip(along).filter(|(_, along)| (0.0..1.0).contains(along));
+        let radii_m =
+            held.map(|(one, along)| one.end_radii_m[0] * (1.0 - along) + one.end_radii_m[1] * along);
+        200.0 * radii_m.fold(0.0, f32::max)
+    };
+    let told = |bench: &Bench, height: &str| {
+        let screen = bench.screen();
+        let rest =
+            screen.split(&format!("cut at {height} m · Ø ")).nth(1).unwrap_or_else(|| panic!("{screen}"));
+        rest.split(" cm").next().unwrap().parse::<f32>().unwrap()
+    };
+    assert!((told(&bench, "1.30") - thickness_cm(1.3)).abs() < 0.06);
+    bench.keys("] ]").settle();
+    assert!((told(&bench, "1.50") - thickness_cm(1.5)).abs() < 0.06);
+    assert!(!bench.model.picture.painted.as_ref().unwrap().shows_person);
+    bench.keys("[").settle();
+    told(&bench, "1.40");
+    for _ in 0..400 {
+        bench.keys("]");
+    }
+    bench.settle();
+    assert!(bench.screen().contains("no wood"), "above its top: {}", bench.screen());
+    bench.keys("Z").settle();
+    assert!(!bench.screen().contains("cut at"));
+    assert!(wanted(&bench.model).unwrap().slice.is_none());
+}
+
+#[test]
+fn what_is_for_scans_is_left_out_of_the_looks_of_other_trees() {
+    let mut bench = Bench::grown(120, 40);
+    let mut seen = Vec::new();
+    for _ in 0..PictureLook::ALL.len() {
+        bench.keys("c");
+        seen.push(bench.model.picture.look.name());
+    }
+    assert!(!seen.contains(&"source") && !seen.contains(&"distance") && seen.contains(&"light"), "{seen:?}");
+    let forth = seen.clone();
+    bench.keys("C");
+    assert_eq!(bench.model.picture.look.name(), forth[forth.len() - 2], "and back");
+}

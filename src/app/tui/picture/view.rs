@@ -32,6 +32,10 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
         let text = format!("· level {level}: {} triangles ", thousands(triangles));
         return vec![Span::styled(text, theme.dim)];
     }
+    let cut = picture.painted.as_ref().and_then(|painted| painted.cut.as_ref());
+    if let Some(cut) = cut.filter(|_| picture.slice_m.is_some()) {
+        return vec![Span::styled(format!("· {cut} "), theme.dim)];
+    }
     let has = |effect| picture.obstructions && beside(model).iter().any(|one| one.effect == effect);
     for (on, word) in [
         (picture.points, "points"),
