@@ -169,7 +169,8 @@ fn write_piece(
     before: u32,
 ) -> Result<(), ExportError> {
     let name = one_word(&piece.name);
-    out.write(format!("o {tree}_{name}\ng {name}\n").as_bytes())?;
+    // No group behind it: Babylon.js takes an object without faces for a cloud of points, and its material with it.
+    out.write(format!("o {tree}_{name}\n").as_bytes())?;
     let mesh = &*piece.mesh;
     let count = mesh.positions.len();
     records::write(out, count, |text, range| {
@@ -234,7 +235,7 @@ fn write_lines(
     motion: Option<Motion>,
     before: u32,
 ) -> Result<(), ExportError> {
-    out.write(format!("o {tree}_skeleton\ng skeleton\n").as_bytes())?;
+    out.write(format!("o {tree}_skeleton\n").as_bytes())?;
     records::write(out, skeleton.positions.len(), |text, range| {
         points(text, &skeleton.positions[range], motion.as_ref());
     })?;

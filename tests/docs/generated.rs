@@ -28,7 +28,7 @@ fn check(path: &str, wanted: &str) {
 }
 
 /// The same for what stands between two comments of a page.
-fn check_block(path: &str, name: &str, wanted: &str) {
+pub fn check_block(path: &str, name: &str, wanted: &str) {
     let page = read(path);
     let (begin, end) = (format!("<!-- {name}: {COMMAND} -->\n"), format!("<!-- /{name} -->"));
     let (before, rest) = page.split_once(&begin).unwrap_or_else(|| panic!("{path} has no {begin}"));

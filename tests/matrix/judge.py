@@ -1,0 +1,168 @@
+"""Compares what a program found in a file with what is in it. A cell: `reads` yes, part or no; what is `lost`, by aspect, with numbers."""
+
+from pathlib import Path
+
+import numpy as np
+
+# A picture is the same where so much of what either covers is covered by both, and colours differ by so little (of 255).
+LEAST_COMMON = 0.9
+MOST_COLOUR = 20
+
+
+def cell(row, client, want, facts, shots, slug):
+    if "error" in facts:
+        said = [line for line in facts.get("said", []) if "rror" in line][:1]
+        return {"reads": "no", "lost": {"file": "; ".join([facts["error"], *said])[:300]}}
+    lost = {}
+    if facts.get("messages"):
+        lost["validator"] = f"{len(facts['messages'])}: {facts['messages'][0][:160]}"
+    if not ("messages" in facts and "triangles" not in facts):
+        lost |= dict(scene(row, want, facts))
+        if client.get("looks") and "like" in row:
+            lost |= dict(look(*(Path(shots) / client["id"] / f"{slug(name)}.png" for name in (row["id"], row["like"]))))
+    return {"reads": "part", "lost": lost} if lost else {"reads": "yes"}
+
+
+def scene(row, want, facts):
+    """What of a scene, a skeleton or a table is lost: (aspect, numbers)."""
+    for name in ("rows", "points", "edges", "triangles"):
+        found = facts.get({"edges": "lines"}.get(name, name))
+        if name in want and found is not None and found != want[name] or name in want and name not in ("points", "edges") and found is None:
+            yield name, f"{found} of {want[name]}"
+    if "recipe" in want and "rows" in want and "recipe" in facts and facts["recipe"] != want["recipe"]:
+        yield "recipe", f"{facts['recipe']}"
+    if "preview" in want and facts["common"] < 0.8:
+        yield "look", f"{facts['common']:.2f} in common with a preview"
+    # Programs that leave joints to the graphics card have no box; their pictures are compared.
+    if "shapes" not in row.get("holds", []) and "box" in want and not (facts["box"] is None and facts["joints"]):
+        size = np.ptp(np.array(want["box"], dtype=float), axis=0).max()
+        off = np.abs(np.array(facts["box"], dtype=float) - np.array(want["box"])).max() / size
+        # Neither is one of what is no number.
+        if not off < 2e-3:
+            yield "box", f"{rounded(facts['box'])} in place of {rounded(want['box'])}"
+    yield from materials(want.get("materials", {}), facts)
+    for name in row.get("holds", []):
+        if (fault := HOLDS[name.partition(":")[0]](name.partition(":")[2], want, facts)) is not None:
+            yield name, fault
+
+
+def rounded(box):
+    return [[round(float("nan" if x is None else x), 3) for x in corner] for corner in box]
+
+
+def materials(wanted, facts):
+    if not wanted:
+        return
+    if "pictures" in facts:
+        # No materials, but a list of pictures.
+        count = sum(each["picture"] for each in wanted.values())
+        if facts["pictures"] < count:
+            yield "picture", f"{facts['pictures']} of {count}"
+        return
+    # Programs put numbers behind names.
+    found = {name: next((each for other, each in facts["materials"].items() if other.removeprefix("mat_").startswith(name) and not other[len(name):].strip("._0123456789")), None)
+             for name in sorted(wanted, key=len)}
+    found |= {name: facts["materials"][name] for name in wanted if name in facts["materials"]}
+    missing = [name for name in wanted if found[name] is None]
+    if missing:
+        yield "materials", f"without {', '.join(missing)}; has {', '.join(sorted(facts['materials']))[:120]}"
+        return
+    for aspect in ("picture", "normals", "cut", "two"):
+        of = [name for name, each in wanted.items() if each[aspect]]
+        without = [name for name in of if not found[name].get(aspect)]
+        if without:
+            yield aspect, f"not of {', '.join(without)}"
+
+
+def names(facts):
+    return [str(name).lower() for name in facts.get("nodes", [])]
+
+
+def attributes(facts):
+    return {str(name).lower().replace("_", "") for name in facts.get("attributes", [])}
+
+
+def wind(_, want, facts):
+    missing = {"wind", "windpivot"} - attributes(facts)
+    return f"without {', '.join(sorted(missing))}" if missing else None
+
+
+def packed(_, want, facts):
+    found = attributes(facts)
+    colour = any(name.startswith("col") for name in found)
+    # TEXCOORD_1 and TEXCOORD_2, as each program calls them.
+    sets = [name for name in found if name.startswith(("texcoord", "uv", "custom0")) ]
+    return None if colour and len(sets) >= 3 - ("uv2" in found and "custom0" in found) else f"has {', '.join(sorted(facts.get('attributes', [])))[:120]}"
+
+
+def counted(key):
+    def fault(_, want, facts):
+        return None if facts.get(key, 0) == want[key] else f"{facts.get(key, 0)} of {want[key]}"
+    return fault
+
+
+def clip(_, want, facts):
+    found = [each[0] for each in facts.get("clips", [])]
+    return None if any("wind" in str(name).lower() for name in found) else f"has {found or 'none'}"[:120]
+
+
+def named(key):
+    def fault(_, want, facts):
+        found = names(facts)
+        missing = [name for name in want[key] if not any(name.lower() in other for other in found)]
+        return f"without {', '.join(missing[:3])}" if missing else None
+    return fault
+
+
+def any_through(_, want, facts):
+    return None if any(each.get("through") for each in facts.get("materials", {}).values()) else "no material has it"
+
+
+def variants(name, want, facts):
+    found = facts.get("variants") or {}
+    return None if len(found.get(name, [])) > 1 else "one is seen"
+
+
+def some(key):
+    return lambda _, want, facts: None if facts.get(key) else "none"
+
+
+HOLDS = {
+    "wind": wind,
+    "primvars": wind,
+    "packed": packed,
+    "morphs": counted("morphs"),
+    "joints": counted("joints"),
+    "clip": clip,
+    "levels": lambda _, want, facts: None if facts.get("levels", 1) == want["levels"] else f"{facts.get('levels', 1)} of {want['levels']}",
+    "siblings": named("siblings"),
+    "shapes": named("shapes"),
+    "bodies": lambda _, want, facts: None if facts.get("bodies", 0) == want["bodies"] else f"{facts.get('bodies', 0)} of {want['bodies']}",
+    "through": any_through,
+    "scene": lambda _, want, facts: None if facts.get("cameras") and facts.get("lights") else f"cameras {facts.get('cameras', 0)}, lights {facts.get('lights', 0)}",
+    "variants": variants,
+    "curves": some("curves"),
+    "lines": some("lines"),
+    "proxy": some("proxies"),
+    "colours": lambda _, want, facts: None if any(name.startswith("col") for name in attributes(facts)) else "none",
+}
+
+
+def look(path, other):
+    """How a picture differs from that of another row."""
+    from PIL import Image
+
+    if not (path.is_file() and other.is_file()):
+        return
+    first, second = (np.asarray(Image.open(each).convert("RGB"), dtype=int) for each in (path, other))
+    covered = [np.abs(each - each[0, 0]).sum(axis=2) > 40 for each in (first, second)]
+    both, either = covered[0] & covered[1], covered[0] | covered[1]
+    if not both.any():
+        yield "look", "nothing is drawn"
+        return
+    common = both.sum() / either.sum()
+    colour = np.abs(first[both].mean(axis=0) - second[both].mean(axis=0)).max()
+    if common < LEAST_COMMON:
+        yield "look", f"{common:.2f} of the pixels in common"
+    elif colour > MOST_COLOUR:
+        yield "look", f"colours differ by {colour:.0f} of 255"
