@@ -135,8 +135,13 @@ fn page(all: &Table, results: &Json) -> (String, Vec<String>) {
             .filter(|client| words(client, "reads").iter().any(|format| formats.contains(format)))
             .collect();
         let names: Vec<&str> = clients.iter().map(|client| text(client, "name")).collect();
-        write!(page, "\n## {heading}\n\n| written as | {} |\n|---|{}\n", names.join(" | "), "---|".repeat(names.len()))
-            .unwrap();
+        write!(
+            page,
+            "\n## {heading}\n\n| written as | {} |\n|---|{}\n",
+            names.join(" | "),
+            "---|".repeat(names.len())
+        )
+        .unwrap();
         for row in rows {
             let id = text(row, "id");
             let mut shown = title(id);
@@ -196,11 +201,14 @@ fn covered(all: &Table) -> BTreeSet<String> {
         let set = row.get("set").and_then(Value::as_table);
         for format in formats {
             let values = set.into_iter().flatten();
-            covered.extend(values.map(|(option, value)| format!("{format}.{option}={}", value.as_str().unwrap())));
+            covered.extend(
+                values.map(|(option, value)| format!("{format}.{option}={}", value.as_str().unwrap())),
+            );
         }
         covered.insert(text(row, "format").to_owned());
     }
-    covered.extend(tables(all, "untried").iter().flat_map(|reason| words(reason, "options")).map(str::to_owned));
+    covered
+        .extend(tables(all, "untried").iter().flat_map(|reason| words(reason, "options")).map(str::to_owned));
     covered
 }
 
