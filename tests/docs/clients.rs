@@ -67,7 +67,7 @@ impl<'a> Notes<'a> {
         let explains = |note: &&&Table| {
             let within = words(note, "in");
             words(note, "clients").contains(&client)
-                && words(note, "lost").iter().any(|lost| *lost == aspect)
+                && words(note, "lost").contains(&aspect)
                 && (within.is_empty() || within.iter().any(|part| row.contains(part)))
         };
         let Some(note) = self.known.iter().find(explains).copied() else {
