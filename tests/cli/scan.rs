@@ -107,9 +107,14 @@ fn a_scan_is_looked_at_in_slices_with_its_points_and_by_how_sure_its_radii_are()
         picture.iter().filter(|pixel| i32::from(pixel[2]) > i32::from(pixel[0]) + 60).count()
     };
     // The trunk fills the picture, with points round it; a tree that nobody scanned has none.
-    let (cut, _) = draw("scan.ply", &["--slice", "1.3"]);
+    let (cut, _) = draw("scan.ply", &["--slice", "1.3,0.6"]);
+    let (thin, _) = draw("scan.ply", &["--slice", "1.3,0.02"]);
     let (grown, said) = draw("simple", &["--set=points=60", "--slice=1.3,0.05"]);
-    assert!(blue(&cut) > 20 && blue(&grown) == 0 && !said.contains("no wood"), "{} {said}", blue(&cut));
+    assert!(
+        blue(&cut) > 20 && blue(&cut) > 4 * blue(&thin) && blue(&grown) == 0 && !said.contains("no wood"),
+        "{} {said}",
+        blue(&cut)
+    );
     let middle = |picture: &Vec<[u8; 3]>| picture[150 * 300 + 150];
     assert!(middle(&cut) != [255; 3] && middle(&grown) != [255; 3]);
     let (above, said) = draw("scan.ply", &["--slice", "90"]);
