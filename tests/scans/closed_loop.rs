@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use linden::Quiet;
 use linden::grow::grow;
-use linden::input::Up;
+use linden::input::{Cloud, Up};
 use linden::preset::{Preset, ScanSettings, builtin};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::scanner::sizes::{CLASS_NAMES, TreeSizes};
@@ -21,7 +21,7 @@ use linden_tests::presets::recipe;
 
 /// What a tree of the table is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Use {
+pub enum Use {
     /// Constants of the reconstruction may be chosen by it.
     Tuning,
     /// It is looked at and nothing else: other species, other seeds.
@@ -29,13 +29,13 @@ enum Use {
 }
 
 /// A tree of the table.
-struct Subject {
-    preset: &'static str,
-    seed: u64,
-    purpose: Use,
+pub struct Subject {
+    pub preset: &'static str,
+    pub seed: u64,
+    pub purpose: Use,
 }
 
-const fn subject(preset: &'static str, seed: u64, purpose: Use) -> Subject {
+pub const fn subject(preset: &'static str, seed: u64, purpose: Use) -> Subject {
     Subject { preset, seed, purpose }
 }
 
@@ -85,17 +85,20 @@ fn row(subject: &Subject, survey: Survey) -> Row {
     settings.seed = subject.seed;
     let scan = scan(&target, &settings, &Quiet).unwrap();
     let points: Vec<_> = scan.points.iter().map(|point| point.position.as_dvec3()).collect();
+    Row { points: points.len(), truth: TreeSizes::of(&grown.skeleton), back: grown_back(points) }
+}
+
+/// What a scan grows back to.
+pub fn grown_back(cloud: impl Into<Cloud>) -> TreeSizes {
     let mut preset = Preset::of("scan", ScanSettings::of("scan.ply".to_owned()));
     preset.set("origin", "keep").unwrap();
-    let count = points.len();
-    let input = Input { hash: 0, up: Up::Y, geometry: Geometry::Points(Arc::new(points.into())) };
+    let input = Input { hash: 0, up: Up::Y, geometry: Geometry::Points(Arc::new(cloud.into())) };
     let back = Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect());
-    let back = grow(&back, &Quiet).unwrap();
-    Row { points: count, truth: TreeSizes::of(&grown.skeleton), back: TreeSizes::of(&back.skeleton) }
+    TreeSizes::of(&grow(&back, &Quiet).unwrap().skeleton)
 }
 
 /// How far off, in per cent; a dash where there was nothing.
-fn percent(back: f64, truth: f64) -> String {
+pub fn percent(back: f64, truth: f64) -> String {
     if truth > 0.0 { format!("{:+.1}", 1e2 * (back / truth - 1.0)) } else { "–".to_owned() }
 }
 
@@ -131,7 +134,7 @@ fn line(subject: &Subject, survey: Survey, row: &Row) -> String {
     format!("| {} |", cells.join(" | "))
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 2]
 }

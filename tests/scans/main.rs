@@ -3,5 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "what the tests share may fail them too")]
 
 mod closed_loop;
+mod leaves;
 mod plots;
 mod scanner;

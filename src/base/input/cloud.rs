@@ -15,6 +15,8 @@ pub struct Cloud {
     pub positions: Vec<DVec3>,
     /// Columns that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
+    /// What tells wood from leaves, where the file does.
+    pub leaves: Option<LeafColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
     /// The column that was worked out from the positions last, so that it is worked out once.
@@ -78,11 +80,24 @@ pub struct TreeColumn {
     pub numbers: Vec<u32>,
 }
 
+/// Which points lie on leaves.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LeafColumn {
+    /// As the file names it.
+    pub name: String,
+    /// One for each position.
+    pub is_leaf: Vec<bool>,
+}
+
 impl Cloud {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
-        bytes_of::<DVec3>(self.positions.capacity()) + columns.sum::<u64>() + self.segmentation_cache.bytes()
+        let leaves = self.leaves.as_ref().map_or(0, |column| bytes_of::<bool>(column.is_leaf.capacity()));
+        leaves
+            + bytes_of::<DVec3>(self.positions.capacity())
+            + columns.sum::<u64>()
+            + self.segmentation_cache.bytes()
     }
 }
 
@@ -120,21 +135,33 @@ const WORDS: [&str; 8] =
 fn rank(name: &str) -> Option<usize> {
     // Other facts about trees and stems.
     const OTHERS: [&str; 7] = ["species", "height", "radius", "dbh", "dist", "prob", "score"];
-    let plain: String = name
-        .chars()
-        .filter(|letter| letter.is_alphanumeric())
-        .map(|letter| letter.to_ascii_lowercase())
-        .collect();
-    let plain = plain.strip_prefix("scalar").unwrap_or(&plain);
-    if OTHERS.iter().any(|word| plain.contains(word)) {
+    let plain = plain(name);
+    if leaf_number(name).is_some() || OTHERS.iter().any(|word| plain.contains(word)) {
         return None;
     }
     WORDS.iter().position(|word| plain.contains(word))
 }
 
-/// Whether a column of this name may tell trees apart.
-pub(super) fn tells_trees(name: &str) -> bool {
-    rank(name).is_some()
+/// The letters and digits of a name in small letters, without the `scalar_` of `CloudCompare`.
+fn plain(name: &str) -> String {
+    let letters = name.chars().filter(|letter| letter.is_alphanumeric());
+    let plain: String = letters.map(|letter| letter.to_ascii_lowercase()).collect();
+    plain.strip_prefix("scalar").map_or_else(|| plain.clone(), str::to_owned)
+}
+
+/// What the numbers of a column of this name say of wood and leaves: 1 wood and 2 leaf, as the scanner of linden and
+/// programs that segment forests write them, or 1 leaf and 0 none. `None`: its name says nothing of the kind.
+fn leaf_number(name: &str) -> Option<u32> {
+    match plain(name).as_str() {
+        "part" | "semanticseg" | "woodleaf" | "leafwood" => Some(2),
+        "leaf" | "isleaf" => Some(1),
+        _ => None,
+    }
+}
+
+/// Whether a column of this name may tell trees apart, or leaves from wood.
+pub(super) fn is_read(name: &str) -> bool {
+    rank(name).is_some() || leaf_number(name).is_some()
 }
 
 /// Columns that are being read.
@@ -179,13 +206,21 @@ impl Columns {
         column.numbers.push(if value >= 1.0 { value as u32 } else { 0 });
     }
 
-    /// Those that tell trees apart, the likeliest first.
-    pub fn finish(self) -> Vec<TreeColumn> {
+    /// Those that tell trees apart, the likeliest first, and the first that tells wood from leaves: it has both, and no
+    /// number beyond them.
+    pub fn finish(self) -> (Vec<TreeColumn>, Option<LeafColumn>) {
         let is_one = |reading: &Reading| reading.is_whole && reading.column.numbers.iter().any(|&n| n > 0);
-        let mut found: Vec<TreeColumn> =
-            self.0.into_iter().filter(is_one).map(|reading| reading.column).collect();
-        found.sort_by_key(|column| rank(&column.name));
-        found
+        let found = self.0.into_iter().filter(is_one).map(|reading| reading.column);
+        let (leaves, mut trees): (Vec<TreeColumn>, Vec<TreeColumn>) =
+            found.partition(|column| leaf_number(&column.name).is_some());
+        trees.sort_by_key(|column| rank(&column.name));
+        let leaves = leaves.into_iter().find_map(|TreeColumn { name, numbers }| {
+            let leaf = leaf_number(&name)?;
+            let is_known = numbers.iter().all(|&number| number <= leaf) && numbers.contains(&(leaf - 1));
+            let is_leaf = || numbers.iter().map(|&number| number == leaf).collect();
+            (is_known && numbers.contains(&leaf)).then(|| LeafColumn { is_leaf: is_leaf(), name })
+        });
+        (trees, leaves)
     }
 }
 
@@ -209,11 +244,33 @@ mod tests {
             "label",
             "segment",
         ] {
-            assert!(tells_trees(name), "{name}");
+            assert!(rank(name).is_some() && is_read(name), "{name}");
         }
         for name in ["intensity", "red", "classification", "gps_time", "tree_height", "species", "axis", ""] {
-            assert!(!tells_trees(name), "{name}");
+            assert!(!is_read(name), "{name}");
         }
+    }
+
+    #[test]
+    fn wood_and_leaves_are_told_by_a_column_that_has_both() {
+        let read = |name: &str, values: &[f64]| {
+            let mut columns = Columns::new([name.to_owned()]);
+            for &value in values {
+                columns.push(0, value);
+            }
+            let (trees, leaves) = columns.finish();
+            assert!(trees.is_empty(), "{name}");
+            leaves.map(|column| column.is_leaf)
+        };
+        assert_eq!(read("part", &[0.0, 1.0, 2.0]), Some(vec![false, false, true]));
+        assert_eq!(read("scalar_semantic_seg", &[2.0, 1.0]), Some(vec![true, false]));
+        assert_eq!(read("is_leaf", &[0.0, 1.0]), Some(vec![false, true]));
+        for (name, values) in
+            [("part", [0.0, 1.0]), ("part", [1.0, 3.0]), ("leaf", [1.0, 1.0]), ("leaf", [0.5, 1.0])]
+        {
+            assert_eq!(read(name, &values), None, "{name} {values:?}");
+        }
+        assert_eq!(rank("semantic_seg"), None);
     }
 
     #[test]
@@ -226,7 +283,8 @@ mod tests {
                 columns.push(column, value);
             }
         }
-        let trees = columns.finish();
+        let (trees, leaves) = columns.finish();
+        assert_eq!(leaves, None);
         assert_eq!(trees.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["treeID", "label"]);
         assert_eq!(trees[0].numbers, [0, 0, 7]);
         assert_eq!(trees[1].counts(), [(1, 1), (2, 2)]);

@@ -133,9 +133,9 @@ impl Input {
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
             InputKind::PlyMesh | InputKind::PlyPoints => {
-                let PlyData { positions, faces: triangles, trees } = read_ply(bytes, monitor)?;
+                let PlyData { positions, faces: triangles, trees, leaves } = read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
-                    Geometry::Points(Arc::new(Cloud { positions, trees, ..Cloud::default() }))
+                    Geometry::Points(Arc::new(Cloud { positions, trees, leaves, ..Cloud::default() }))
                 } else {
                     Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
                 };

@@ -12,7 +12,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use glam::DVec3;
 use las::{PointDataBuilder, Reader};
 
-use super::cloud::{Columns, tells_trees};
+use super::cloud::{Columns, is_read};
 use super::{Cloud, InputError, READING, READING_ADVICE, in_range, make_room};
 use crate::memory::bytes_of;
 use crate::monitor::{Monitor, Phase};
@@ -91,7 +91,8 @@ fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> 
             "none of its {total} records is a point that is not withheld and no noise"
         )));
     }
-    Ok(Cloud { positions: points, trees: columns.finish(), ..Cloud::default() })
+    let (trees, leaves) = columns.finish();
+    Ok(Cloud { positions: points, trees, leaves, ..Cloud::default() })
 }
 
 /// One of the further values of each record, which the format calls extra bytes and describes in a record of its own
@@ -137,7 +138,7 @@ impl ExtraBytes {
             }
             let name = String::from_utf8_lossy(&row[4..36]);
             let name = name.trim_end_matches('\0').trim();
-            if (1..=10).contains(&kind) && tells_trees(name) {
+            if (1..=10).contains(&kind) && is_read(name) {
                 let number = |at: usize| row[at..at + 8].try_into().map_or(0.0, f64::from_le_bytes);
                 let has = |bit: u8| options & (1 << bit) != 0;
                 // It is written in the widest type of its kind.

@@ -27,7 +27,7 @@ mod xyz;
 
 use glam::DVec3;
 
-pub use cloud::{Cloud, TreeColumn};
+pub use cloud::{Cloud, LeafColumn, TreeColumn};
 pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
 pub use e57::read_e57;
 pub use grid::read_grid;

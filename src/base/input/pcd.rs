@@ -5,7 +5,7 @@
 
 use glam::DVec3;
 
-use super::cloud::{Columns, tells_trees};
+use super::cloud::{Columns, is_read};
 use super::{Cloud, InputError, READING, READING_ADVICE, ROWS_PER_CHECK, in_range, make_room, quoted};
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
@@ -77,7 +77,8 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
     if points.positions.is_empty() {
         return Err(whole(&format!("none of its {} points has a place", header.points)));
     }
-    Ok(Cloud { positions: points.positions, trees: points.trees.finish(), ..Cloud::default() })
+    let (trees, leaves) = points.trees.finish();
+    Ok(Cloud { positions: points.positions, trees, leaves, ..Cloud::default() })
 }
 
 /// What is read of the points.
@@ -91,7 +92,7 @@ struct Points {
 impl Points {
     /// None yet, with the columns that tell trees apart.
     fn of(header: &Header) -> Self {
-        let is_one = |&at: &usize| header.fields[at].count == 1 && tells_trees(&header.fields[at].name);
+        let is_one = |&at: &usize| header.fields[at].count == 1 && is_read(&header.fields[at].name);
         let fields: Vec<usize> = (0..header.fields.len()).filter(is_one).collect();
         let trees = Columns::new(fields.iter().map(|&at| header.fields[at].name.clone()));
         Self { positions: Vec::new(), trees, fields }

@@ -11,7 +11,7 @@
 
 use glam::DVec3;
 
-use super::cloud::{Columns, TreeColumn, tells_trees};
+use super::cloud::{Columns, LeafColumn, TreeColumn, is_read};
 use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, make_room, quoted};
 use crate::knob::printable;
 use crate::memory::{OverMemory, bytes_grown, bytes_of};
@@ -27,6 +27,8 @@ pub struct PlyData {
     pub faces: Vec<[u32; 3]>,
     /// Properties of the vertices that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
+    /// The property of the vertices that tells wood from leaves.
+    pub leaves: Option<LeafColumn>,
 }
 
 /// Values of vertices, a column for each property that was asked for.
@@ -476,7 +478,7 @@ fn read_vertices(
     };
     let axes = [axis("x")?, axis("y")?, axis("z")?];
     let is_of_trees =
-        |property: &Property| matches!(property.kind, Kind::Scalar(_)) && tells_trees(&property.name);
+        |property: &Property| matches!(property.kind, Kind::Scalar(_)) && is_read(&property.name);
     let of_trees: Vec<usize> =
         (0..element.properties.len()).filter(|&i| is_of_trees(&element.properties[i])).collect();
     let mut trees = Columns::new(of_trees.iter().map(|&i| element.properties[i].name.clone()));
@@ -522,7 +524,7 @@ fn read_vertices(
         },
         || positions.push(position.get()),
     )?;
-    data.trees = trees.finish();
+    (data.trees, data.leaves) = trees.finish();
     Ok(())
 }
 

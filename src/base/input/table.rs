@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::cloud::tells_trees;
+use super::cloud::is_read;
 use super::coordinate;
 
 /// The layout of a table that is not just `x y z` and further columns.
@@ -28,7 +28,7 @@ impl Layout {
         let names: Vec<String> = fields(row, delimiter).map(plain).collect();
         let find = |name: &str| names.iter().position(|found| found == name);
         let titles = fields(row, delimiter).map(|title| title.trim_matches('"').trim().to_owned());
-        let trees = titles.enumerate().filter(|(_, title)| tells_trees(title)).collect();
+        let trees = titles.enumerate().filter(|(_, title)| is_read(title)).collect();
         Some(Self {
             columns: [find("x")?, find("y")?, find("z")?],
             delimiter,

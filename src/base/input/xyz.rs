@@ -75,7 +75,10 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
             let found = points.len();
             Err(whole(format!("its first line announces {rows} points, {found} follow: it may be cut off")))
         }
-        _ => Ok(Cloud { positions: points, trees: columns.finish(), ..Cloud::default() }),
+        _ => {
+            let (trees, leaves) = columns.finish();
+            Ok(Cloud { positions: points, trees, leaves, ..Cloud::default() })
+        }
     }
 }
 

@@ -32,6 +32,12 @@ const BRIDGES: usize = 6;
 /// Bridges beyond the spanning tree's are looked for within this many reaches.
 const BRIDGE_REACH: f64 = 10.0;
 
+/// What are leaves and ends within this way is the blade of one and no twig, metres.
+const BLADE_M: f64 = 0.1;
+
+/// A metre over leaves counts for so many.
+const LEAF_METRE: f64 = 3.0;
+
 /// Where a way came from is told so many links back.
 const BACK: usize = 10;
 
@@ -72,6 +78,8 @@ pub(super) struct Cost<'a> {
     pub linear_m: f64,
     /// Across where a way came from a metre counts for so many more.
     pub turn: f64,
+    /// Points that ways are to avoid where there are others: leaves. Empty: none.
+    pub leaves: &'a [bool],
 }
 
 impl Cost<'_> {
@@ -81,6 +89,20 @@ impl Cost<'_> {
 }
 
 impl Ways {
+    /// The length of the longest way beyond each point, metres; 0 where no way leads.
+    pub fn beyond_m(&self) -> Vec<f64> {
+        let mut order: Vec<u32> = (0..self.length.len() as u32).collect();
+        let length = |i: u32| self.length[i as usize];
+        order.par_sort_unstable_by(|&a, &b| length(b).total_cmp(&length(a)).then(a.cmp(&b)));
+        let mut ends_m = self.length.clone();
+        for at in order {
+            let before = self.before[at as usize] as usize;
+            ends_m[before] = ends_m[before].max(ends_m[at as usize]);
+        }
+        let beyond = |(end_m, &length_m): (f64, &f64)| if end_m.is_finite() { end_m - length_m } else { 0.0 };
+        ends_m.into_iter().zip(&self.length).map(beyond).collect()
+    }
+
     /// The longest link on the way to each point, metres.
     pub fn widest_gaps_m(&self, graph: &Graph) -> Vec<f64> {
         let mut order: Vec<u32> = (0..self.before.len() as u32).collect();
@@ -126,6 +148,15 @@ impl Graph {
         self.points[a as usize].distance(self.points[b as usize])
     }
 
+    /// For each point what most of it and those linked to it are; what stands even stays.
+    pub fn of_most(&self, is_so: &[bool]) -> Vec<bool> {
+        let mut votes: Vec<i32> = is_so.iter().map(|&so| if so { 1 } else { -1 }).collect();
+        for &(from, to) in &self.links {
+            votes[from as usize] += if is_so[to as usize] { 1 } else { -1 };
+        }
+        votes.iter().zip(is_so).map(|(&votes, &so)| if votes == 0 { so } else { votes > 0 }).collect()
+    }
+
     /// The bridges on the ways from the foot, metres.
     pub fn bridges_m(&self, ways: &Ways) -> Vec<f64> {
         let lengths = (0..).zip(&ways.before).map(|(to, &from)| self.distance(from, to));
@@ -139,12 +170,14 @@ impl Graph {
     }
 
     /// The shortest ways from the places where `start` gives a length to begin with; a gap counts by the square of its length.
+    /// They keep to what are no `leaves`, where that is told.
     pub fn ways(
         &self,
         start: impl Fn(DVec3) -> Option<f64>,
+        leaves: &[bool],
         monitor: &dyn Monitor,
     ) -> Result<Ways, Cancelled> {
-        let cost = Cost { per_metre: &[1.0], linear_m: self.reach, turn: 0.0 };
+        let cost = Cost { per_metre: &[1.0], linear_m: self.reach, turn: 0.0, leaves };
         self.ways_of(|p| start(p).map(|length| Start { length, group: 0 }), &cost, monitor)
     }
 
@@ -189,7 +222,8 @@ impl Graph {
                     let goes = (self.points[to as usize] - self.points[at as usize]).normalize_or_zero();
                     1.0 + cost_of.turn * (1.0 - came.dot(goes)).max(0.0)
                 });
-                let costs = bend * step;
+                let leaf = if cost_of.leaves.get(to as usize) == Some(&true) { LEAF_METRE } else { 1.0 };
+                let costs = bend * step * leaf;
                 let beyond = so_far + per_metre * costs * (costs / cost_of.linear_m).max(1.0);
                 if beyond < cost[to as usize] {
                     cost[to as usize] = beyond;
@@ -379,14 +413,21 @@ pub(super) struct Sections {
     /// How many points each centre stands for.
     sizes: Vec<f64>,
     /// Sections on which none hangs though there is bark beyond them: no tips, but shards of a
-    /// cross-section that was reached over two bridges.
+    /// cross-section that was reached over two bridges. And blades of leaves, which no twig leads into.
     shards: Vec<bool>,
 }
 
 impl Sections {
     /// Cuts the graph into sections `width` long along the ways from the foot.
     /// On the bark of `trunks`, each of which stands on one of the roots, the axes of these stand for sections.
-    pub fn new(graph: &Graph, ways: &Ways, roots: &[DVec3], trunks: &[Trunk], width: f64) -> Self {
+    /// What are `leaves` makes no section with what is wood.
+    pub fn new(
+        graph: &Graph,
+        ways: &Ways,
+        (roots, trunks): (&[DVec3], &[Trunk]),
+        leaves: &[bool],
+        width: f64,
+    ) -> Self {
         let count = graph.points.len() as u32;
         let place = |p: DVec3| (0..).zip(trunks).find_map(|(n, trunk)| Some((n, trunk.place(p)?.0)));
         let on_trunk: Vec<Option<(usize, usize)>> = graph.points.par_iter().map(|&p| place(p)).collect();
@@ -394,7 +435,8 @@ impl Sections {
         let mut pieces = Pieces::new(graph.points.len());
         for &(a, b) in &graph.links {
             let is_off = on_trunk[a as usize].is_none() && on_trunk[b as usize].is_none();
-            if is_off && level(a) == level(b) && graph.distance(a, b) <= graph.reach {
+            let is_same = leaves.is_empty() || leaves[a as usize] == leaves[b as usize];
+            if is_off && is_same && level(a) == level(b) && graph.distance(a, b) <= graph.reach {
                 pieces.join(a, b);
             }
         }
@@ -453,6 +495,16 @@ impl Sections {
         }
         for parent in parents.iter().flatten() {
             shards[*parent as usize] = false;
+        }
+        if !leaves.is_empty() {
+            let mut spans_m = vec![(f64::INFINITY, 0.0_f64); parents.len()];
+            for (i, beyond_m) in ways.beyond_m().into_iter().enumerate().filter(|&(i, _)| leaves[i]) {
+                let span = &mut spans_m[section_of[pieces.of(i as u32) as usize] as usize];
+                *span = (span.0.min(ways.length[i]), span.1.max(ways.length[i] + beyond_m));
+            }
+            for (shard, (from_m, to_m)) in shards.iter_mut().zip(spans_m) {
+                *shard |= to_m > 0.0 && to_m - from_m < BLADE_M;
+            }
         }
         let mut sections = Self { centres, parents, sizes, shards };
         // The foot is a start as a whole, some sections high: one above the other.

@@ -215,7 +215,7 @@ impl Settings for ScanSettings {
             // Only for their number a plot is not segmented: there are no more of a tree than of all.
             Segmentation::Paths => cloud.positions.len(),
             Segmentation::Column => {
-                trees::chosen(self, cloud, up, &Quiet).map_or(0, |(points, _)| points.len())
+                trees::chosen(self, cloud, up, &Quiet).map_or(0, |chosen| chosen.points.len())
             }
         });
         self.growth.limit(points, size)
@@ -260,9 +260,11 @@ fn planted(
 ) -> Result<Planted, ScanGrowthError> {
     let wrong = || ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" };
     let (cloud, up) = settings.cloud(task.inputs).ok_or_else(wrong)?;
-    let (points, of_trees) = trees::chosen(settings, cloud, up, monitor)?;
+    let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, cloud, up, monitor)?;
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
-        let Prepared { site, bark, axes } = at_points(settings, points, up, task.key(), what, monitor)?;
+        let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
+        let Prepared { site, bark, axes } =
+            at_points(settings, (points, is_leaf), up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
         stand.notes.splice(0..0, of_trees.clone());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();

@@ -10,8 +10,9 @@
 //! 3. the trunk: circles through slices of its bark, from the foot up; their centres are its axis (`trunk`);
 //! 4. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/1000 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
-//! 5. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
-//! 6. points along the links of the sections, so that growth finds its next point within a few steps.
+//! 5. wood and leaves told apart, where the tree is in leaf (`leaves`): leaves are no bark, and ways keep to wood;
+//! 6. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
+//! 7. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
 //! What the cloud says of its units and its upward axis stands in `frame`. After growth radii are measured
 //! on the points (`girth`), and [`gaps`] says how far skeleton and points are apart.
@@ -36,7 +37,7 @@
 //! | tall, gaps | 0.97 | 0.96 | 14 | 0.97 | 0.98 | 6, 18 |
 //! | tall, three sensors | 0.99 | 0.80 | 13 | 0.97 | 0.99 | 5, 18 |
 //!
-//! Leaves are taken for twigs, thin ones. Clumps of twigs that hide each other lose a part of their length.
+//! Clumps of twigs that hide each other lose a part of their length.
 
 mod allometry;
 mod canopy;
@@ -50,6 +51,7 @@ mod foot;
 mod frame;
 mod generator;
 mod girth;
+mod leaves;
 mod neighbours;
 pub mod plot;
 mod points;
@@ -58,6 +60,7 @@ mod segments;
 mod settings;
 mod stems;
 mod stretch;
+mod surface;
 mod trees;
 mod trunk;
 
@@ -79,14 +82,14 @@ pub use frame::shows_stem;
 pub use frame::{likely_scale, unusual_up};
 pub use generator::GENERATOR;
 pub use girth::{Girth, girth};
-pub use settings::{ScanRadius, ScanSettings, Segmentation};
+pub use settings::{LeafPoints, ScanRadius, ScanSettings, Segmentation};
 
 /// A scan made ready for growth; lengths in metres, Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scan {
     /// Attraction points along the axes.
     pub points: Vec<DVec3>,
-    /// The scanned points without ground and strays: what the tree was seen by.
+    /// The scanned points without ground, strays and leaves: what the wood was seen by.
     pub bark: Vec<DVec3>,
     /// The feet of the stems, the surest first: where growth starts.
     pub roots: Vec<DVec3>,
@@ -117,6 +120,8 @@ pub struct ScanReport {
     pub noise_points: usize,
     /// Thinned points left out because hardly anything is near them.
     pub stray_points: usize,
+    /// Points that were told to lie on leaves.
+    pub leaf_points: usize,
     /// Gaps that were bridged.
     pub bridges: usize,
     /// The longest of them, 0 without one.
@@ -198,11 +203,13 @@ pub struct ScanRule {
     pub noise_filter: bool,
     /// How many stems there are; `None` leaves it to the cloud.
     pub stems: Option<usize>,
+    /// Which points lie on leaves, where nobody has said of each.
+    pub leaf_points: LeafPoints,
 }
 
 impl Default for ScanRule {
     fn default() -> Self {
-        Self { step_m: None, noise_filter: true, stems: None }
+        Self { step_m: None, noise_filter: true, stems: None, leaf_points: LeafPoints::Auto }
     }
 }
 
@@ -217,16 +224,21 @@ pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Resu
     }
     let Distinct { mut points, repeated, no_returns } = distinct(points, true, monitor)?;
     let far_points = drop_far(&mut points, monitor)?;
-    let mut scan = prepare_distinct(&points, rule, monitor)?;
+    let mut scan = prepare_distinct(&points, None, rule, monitor)?;
     scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
     Ok(scan)
 }
 
-/// The same of finite points that are all at different places.
+/// The same of finite points that are all at different places, and of which it may be known whether each lies on a leaf.
 ///
 /// # Errors
 /// [`ScanError`].
-pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Result<Scan, ScanError> {
+pub fn prepare_distinct(
+    points: &[DVec3],
+    is_leaf: Option<&[bool]>,
+    rule: &ScanRule,
+    monitor: &dyn Monitor,
+) -> Result<Scan, ScanError> {
     let bytes = points.len() as u64 * BYTES_PER_POINT;
     monitor.admit("preparing the scan", bytes, "thin the points out")?;
     let spacing_m = spacing_m(points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
@@ -235,6 +247,10 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
     let foot = &feet[0];
     let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
     let ground_points = points.len() - bark.len();
+    let mut is_leaf: Option<Vec<bool>> = is_leaf.map(|is_leaf| {
+        let rows = points.iter().zip(is_leaf);
+        rows.filter(|(p, _)| !is_ground(&feet, **p)).map(|(_, leaf)| *leaf).collect()
+    });
     let chosen_m = rule.step_m.filter(|step| step.is_finite() && *step > 0.0);
     let detail_m = chosen_m.unwrap_or_else(|| detail_m(spacing_m, foot.height_m));
     monitor.check()?;
@@ -242,18 +258,20 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
     let mut noise_points = 0;
     if rule.noise_filter {
         noise_points = bark.len();
-        cubes.drop_noise(&mut bark, NOISE_REACH * detail_m, monitor)?;
+        let is_noise = cubes.drop_noise(&mut bark, NOISE_REACH * detail_m, monitor)?;
+        if let Some(is_leaf) = &mut is_leaf {
+            retain_unmarked(is_leaf, &is_noise);
+        }
         noise_points -= bark.len();
     }
-    let thinned = cubes.means;
-    if thinned.len() < LEAST_POINTS {
-        return Err(ScanError::TooFew { distinct: thinned.len() });
+    if cubes.means.len() < LEAST_POINTS {
+        return Err(ScanError::TooFew { distinct: cubes.means.len() });
     }
     let mut trunks = Vec::new();
     for foot in &feet {
         trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));
     }
-    let graph = Graph::new(thinned, REACH * detail_m, monitor)?;
+    let graph = Graph::new(cubes.means.clone(), REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
     let nearest: Vec<Option<DVec3>> = feet
         .iter()
@@ -273,7 +291,25 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
         let along = trunks.iter().find_map(|(_, trunk)| trunk.place(p));
         along.map(|(_, along_m)| along_m).or_else(|| feet.iter().zip(&nearest).find_map(height))
     };
-    let ways = graph.ways(start, monitor)?;
+    let mut ways = graph.ways(start, &[], monitor)?;
+    let found = match (&is_leaf, rule.leaf_points) {
+        (_, LeafPoints::None) => None,
+        (Some(is_leaf), LeafPoints::Auto) => Some(cubes.most(&graph.points, is_leaf)),
+        (_, rule) => {
+            let is_asked = rule == LeafPoints::Paths;
+            leaves::told(&graph, &ways, foot, &trunks, detail_m, is_asked, monitor)?
+        }
+    };
+    let leaf_nodes = found.unwrap_or_default();
+    let scanned = bark.len();
+    if !leaf_nodes.is_empty() {
+        match is_leaf.filter(|_| rule.leaf_points == LeafPoints::Auto) {
+            Some(is_leaf) => retain_unmarked(&mut bark, &is_leaf),
+            None => cubes.keep_wood(&mut bark, &graph.points, &leaf_nodes),
+        }
+        ways = graph.ways(start, &leaf_nodes, monitor)?;
+    }
+    let leaf_points = scanned - bark.len();
     let bridges_m = graph.bridges_m(&ways);
     let foot_of = |foot: &Foot| {
         let trunk = trunks.iter().find(|(root, _)| *root == foot.root);
@@ -281,7 +317,7 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
     };
     let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
     let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
-    let mut sections = Sections::new(&graph, &ways, &roots, &trunks, SECTION * detail_m);
+    let mut sections = Sections::new(&graph, &ways, (&roots, &trunks), &leaf_nodes, SECTION * detail_m);
     sections.smooth(SMOOTHING);
     let points = sections.points(detail_m);
     Ok(Scan {
@@ -299,6 +335,7 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
             ground_points,
             noise_points,
             stray_points: graph.strays,
+            leaf_points,
             bridges: bridges_m.len(),
             longest_bridge_m: bridges_m.iter().copied().fold(0.0, f64::max),
         },
@@ -311,6 +348,12 @@ const BYTES_PER_POINT: u64 = 96;
 /// Whether a point belongs to the ground by all feet.
 fn is_ground(feet: &[Foot], p: DVec3) -> bool {
     feet.iter().all(|foot| foot.is_ground(p))
+}
+
+/// Takes out what is marked; what has no mark stays.
+fn retain_unmarked<T>(list: &mut Vec<T>, marks: &[bool]) {
+    let mut marks = marks.iter();
+    list.retain(|_| !marks.next().is_some_and(|&marked| marked));
 }
 
 /// Within this many details the noise filter counts points.
@@ -375,17 +418,21 @@ impl Cubes {
         Self { means, members: order.iter().map(|&(_, i)| i).collect(), ends }
     }
 
+    /// The points in a cube.
+    fn count(&self, cube: usize) -> u32 {
+        self.ends[cube] - if cube == 0 { 0 } else { self.ends[cube - 1] }
+    }
+
     /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean,
     /// and their points (the others keep their order). A cloud that would lose more than one point in
-    /// [`MOST_NOISE`] is thin, not noisy, and stays as it is.
+    /// [`MOST_NOISE`] is thin, not noisy, and stays as it is. Which points were noise; nothing where none was.
     fn drop_noise(
         &mut self,
         points: &mut Vec<DVec3>,
         reach_m: f64,
         monitor: &dyn Monitor,
-    ) -> Result<(), Cancelled> {
+    ) -> Result<Vec<bool>, Cancelled> {
         let tree = Neighbours::new(&self.means, monitor)?;
-        let count = |cube: usize| self.ends[cube] - if cube == 0 { 0 } else { self.ends[cube - 1] };
         let near: Vec<u32> = self
             .means
             .par_iter()
@@ -394,7 +441,7 @@ impl Cubes {
                 let limit = reach_m * reach_m;
                 let mut near = 0;
                 tree.search(mean, limit, |other, _| {
-                    near += count(other as usize);
+                    near += self.count(other as usize);
                     limit
                 });
                 Ok(near)
@@ -404,9 +451,9 @@ impl Cubes {
         sorted.sort_unstable();
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0);
         let least = LEAST_NEAR.max((NEAR_PART * f64::from(median)) as u32);
-        let lost: u64 = (0..near.len()).filter(|&c| near[c] < least).map(|c| u64::from(count(c))).sum();
+        let lost: u64 = (0..near.len()).filter(|&c| near[c] < least).map(|c| u64::from(self.count(c))).sum();
         if lost == 0 || lost * MOST_NOISE > points.len() as u64 {
-            return Ok(());
+            return Ok(Vec::new());
         }
         let mut is_noise = vec![false; points.len()];
         let mut start = 0;
@@ -416,13 +463,63 @@ impl Cubes {
             }
             start = end;
         }
-        let mut marks = is_noise.iter();
-        points.retain(|_| !marks.next().is_some_and(|&noise| noise));
+        retain_unmarked(points, &is_noise);
+        // The points that stay have moved up in the list.
+        let moved = is_noise.iter().scan(0, |next, &noise| {
+            let at = *next;
+            *next += u32::from(!noise);
+            Some(at)
+        });
+        let places: Vec<u32> = moved.collect();
+        self.members.retain_mut(|i| {
+            let stays = !is_noise[*i as usize];
+            *i = places[*i as usize];
+            stays
+        });
+        let (mut start, mut stays) = (0, 0);
+        for (end, &near) in self.ends.iter_mut().zip(&near) {
+            stays += if near < least { 0 } else { *end - start };
+            start = std::mem::replace(end, stays);
+        }
+        let mut of_ends = near.iter();
+        self.ends.retain(|_| of_ends.next().is_some_and(|&near| near >= least));
         let mut near = near.iter();
         self.means.retain(|_| near.next().is_some_and(|&near| near >= least));
-        // What was cut out has no members any more.
-        self.members.clear();
-        self.ends.clear();
-        Ok(())
+        Ok(is_noise)
+    }
+
+    /// For each of some nodes whether more than half of its points are so; `nodes` are means of cubes in their order, some of
+    /// which may be missing.
+    fn most(&self, nodes: &[DVec3], is_so: &[bool]) -> Vec<bool> {
+        let mut left = nodes.iter().peekable();
+        let mut start = 0;
+        let mut of_nodes = Vec::with_capacity(nodes.len());
+        for (mean, &end) in self.means.iter().zip(&self.ends) {
+            if left.next_if(|node| *node == mean).is_some() {
+                let members = &self.members[start as usize..end as usize];
+                let so = members.iter().filter(|&&i| is_so[i as usize]).count();
+                of_nodes.push(2 * so > members.len());
+            }
+            start = end;
+        }
+        of_nodes
+    }
+
+    /// Takes the points of cubes that are leaves out of a list; the others keep their order. `nodes` are means of cubes in
+    /// their order, some of which may be missing; what those stand for goes as well.
+    fn keep_wood(&self, points: &mut Vec<DVec3>, nodes: &[DVec3], is_leaf: &[bool]) {
+        let mut is_wood = vec![false; points.len()];
+        let mut left = nodes.iter().zip(is_leaf).peekable();
+        let mut start = 0;
+        for (mean, &end) in self.means.iter().zip(&self.ends) {
+            if let Some((_, leaf)) = left.next_if(|(node, _)| *node == mean) {
+                for &i in &self.members[start as usize..end as usize] {
+                    is_wood[i as usize] = !leaf;
+                }
+            }
+            start = end;
+        }
+        let mut marks = is_wood.iter();
+        points.retain(|_| marks.next().is_some_and(|&wood| wood));
     }
 }

@@ -52,7 +52,7 @@ impl FileAxes {
 /// `usual` is the axis that points up in such files.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    points: &[DVec3],
+    (points, is_leaf): (&[DVec3], Option<&[bool]>),
     usual: Up,
     key: Key,
     what: As,
@@ -60,7 +60,9 @@ pub(crate) fn at_points(
 ) -> Result<Prepared, ScanGrowthError> {
     let mut notes = Vec::new();
     // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
-    let Distinct { mut points, repeated, no_returns } = crate::distinct(points, settings.contract, monitor)?;
+    let given = points;
+    let Distinct { mut points, repeated, no_returns } = crate::distinct(given, settings.contract, monitor)?;
+    let mut is_leaf = is_leaf.map(|is_leaf| of_kept(given, is_leaf, &points));
     notes.extend(row_notes(repeated, no_returns));
     // A scanner's file: what it says of itself is not sure.
     let is_scan = settings.contract && what != As::Grid;
@@ -84,7 +86,7 @@ pub(crate) fn at_points(
         }
     }
     let axes = FileAxes { up, scale };
-    let far_points = if is_scan { crate::drop_far(&mut points, monitor)? } else { 0 };
+    let far_points = if is_scan { drop_far(&mut points, is_leaf.as_mut(), monitor)? } else { 0 };
     notes.extend(far_note(far_points));
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -95,6 +97,7 @@ pub(crate) fn at_points(
         let rule = ScanRule {
             step_m: settings.growth.step_m,
             noise_filter: settings.noise_filter,
+            leaf_points: settings.leaf_points,
             // One place that is given is one stem.
             stems: if given_root.is_some() {
                 Some(1)
@@ -102,7 +105,7 @@ pub(crate) fn at_points(
                 settings.stems.map(|n| libm::round(n) as usize)
             },
         };
-        let mut scan = crate::prepare_distinct(&points, &rule, monitor)?;
+        let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &rule, monitor)?;
         scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
         notes.extend(scan_notes(&scan, &rule));
         let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
@@ -159,6 +162,27 @@ pub(crate) fn at_points(
     Ok(Prepared { site, bark: None, axes })
 }
 
+/// Leaves out single far points, and what is known of them; how many.
+fn drop_far(
+    points: &mut Vec<DVec3>,
+    is_leaf: Option<&mut Vec<bool>>,
+    monitor: &dyn Monitor,
+) -> Result<usize, ScanGrowthError> {
+    let Some(is_leaf) = is_leaf else { return Ok(crate::drop_far(points, monitor)?) };
+    let before = points.clone();
+    let far_points = crate::drop_far(points, monitor)?;
+    if far_points > 0 {
+        *is_leaf = of_kept(&before, is_leaf, points);
+    }
+    Ok(far_points)
+}
+
+/// What is known of some places, of those that are left of them in their order.
+fn of_kept(given: &[DVec3], known: &[bool], kept: &[DVec3]) -> Vec<bool> {
+    let mut rows = given.iter().zip(known);
+    kept.iter().filter_map(|place| rows.find(|(given, _)| *given == place).map(|(_, known)| *known)).collect()
+}
+
 /// What is said of rows that are no points.
 fn row_notes(repeated: usize, no_returns: usize) -> Vec<String> {
     let mut notes = Vec::new();
@@ -213,6 +237,14 @@ fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
         notes.push(format!(
             "{} points with hardly any others near them were left out as noise; noise_filter=false keeps them",
             report.noise_points
+        ));
+    }
+    if report.leaf_points > 0 {
+        let all = report.leaf_points + scan.bark.len();
+        notes.push(format!(
+            "{} of {all} points were taken for leaves: twigs grow to them, and no radius is measured on them; \
+             leaf_points=none takes all for wood",
+            report.leaf_points
         ));
     }
     if report.bridges > 0 {

@@ -29,10 +29,9 @@ impl ScanPart {
     pub fn new(settings: &ScanSettings, task: &Task<'_>, size: SampleSize, monitor: &dyn Monitor) -> Self {
         let input = task.inputs.get(&settings.file);
         // What is wrong with them is said by who grows.
-        let given = settings.cloud(task.inputs).and_then(|(cloud, up)| {
-            let (points, _) = chosen(settings, cloud, up, monitor).ok()?;
-            Some(points)
-        });
+        let given = settings
+            .cloud(task.inputs)
+            .and_then(|(cloud, up)| Some(chosen(settings, cloud, up, monitor).ok()?.points));
         let given = given.unwrap_or(Cow::Borrowed(&[]));
         let given = &given[..];
         let points = given.len();

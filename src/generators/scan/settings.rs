@@ -25,6 +25,18 @@ words! {
     }
 }
 
+words! {
+    /// Which points of a scan lie on leaves.
+    LeafPoints {
+        /// What a column of the file says, else those that are found where the tree is in leaf.
+        Auto = "auto",
+        /// Those that are found.
+        Paths = "paths",
+        /// None: all lie on wood.
+        None = "none"
+    }
+}
+
 /// Given points, and how a tree grows into them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanSettings {
@@ -40,6 +52,8 @@ pub struct ScanSettings {
     pub growth: GrowthSettings,
     /// Whether the points lie on the surface of a tree, as a scanner's do, and are moved onto its axes first.
     pub contract: bool,
+    /// Which points of a scan lie on leaves.
+    pub leaf_points: LeafPoints,
     /// Where the radii of a scanned tree come from.
     pub scan_radius: ScanRadius,
     /// Whether points of a scan that hardly any others are near are left out.
@@ -96,6 +110,20 @@ impl ScanSettings {
                  positions of leaves, say, or attraction points of another program."
             ),
             see_also(&["scan_radius", "noise_filter", "stems", "step"])
+        ),
+        field!(
+            "leaf_points",
+            Kind::Choice(LeafPoints::WORDS),
+            "",
+            "points of a scan on leaves; auto: a column of the file, else found where the tree is in leaf; paths: found; none: all are wood",
+            leaf_points,
+            details(
+                "Twigs grow to points on leaves, but no radius is measured on them. paths finds them by their way from \
+                 the foot: wood has long ways beyond it, is as thick as these let expect, and its bark is smooth. auto \
+                 looks for a column part, semantic_seg or wood_leaf (1 wood, 2 leaf), or is_leaf (0, 1), and else takes the \
+                 tree to be in leaf where what is no thick wood does not lie along lines, as bare twigs do."
+            ),
+            see_also(&["scan_radius", "noise_filter", "contract"])
         ),
         field!(
             "scan_radius",
@@ -161,6 +189,7 @@ impl ScanSettings {
             tree: None,
             growth: GrowthSettings::default(),
             contract: true,
+            leaf_points: LeafPoints::Auto,
             scan_radius: ScanRadius::Points,
             noise_filter: true,
             stems: None,
@@ -191,7 +220,9 @@ impl ScanSettings {
     pub(crate) fn why_idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
         let is_ruled = matches!(wood.width, Width::Pipe | Width::Order | Width::Taper);
         match knob {
-            "noise_filter" | "stems" if !self.contract => Some("contract=false: the points are no scan"),
+            "noise_filter" | "stems" | "leaf_points" if !self.contract => {
+                Some("contract=false: the points are no scan")
+            }
             "scan_radius" if is_ruled => Some("it is for width=auto"),
             "scan_radius" if !self.contract => Some("contract=false: the points are no bark"),
             "scan_radius" if wood.base_radius_m.is_some() => {

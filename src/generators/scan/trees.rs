@@ -111,17 +111,30 @@ pub(crate) fn wanted(settings: &ScanSettings) -> Option<u32> {
     settings.tree.map(|number| libm::round(number) as u32)
 }
 
+/// The points that are grown into.
+pub(crate) struct Chosen<'a> {
+    pub points: Cow<'a, [DVec3]>,
+    /// Whether each lies on a leaf, where the file says so.
+    pub is_leaf: Option<Cow<'a, [bool]>>,
+    /// What is to be said of the others.
+    pub note: Option<String>,
+}
+
 /// The points that are grown into, and what is to be said of the others.
 pub(crate) fn chosen<'a>(
     settings: &ScanSettings,
     cloud: &'a Cloud,
     usual: Up,
     monitor: &dyn Monitor,
-) -> Result<(Cow<'a, [DVec3]>, Option<String>), ScanGrowthError> {
+) -> Result<Chosen<'a>, ScanGrowthError> {
     let columns = columns(settings, cloud, usual, monitor)?;
     let column = column(settings, columns.all())?;
     let Some(wanted) = wanted(settings) else {
-        return Ok((Cow::Borrowed(&cloud.positions), column.and_then(|column| several(settings, column))));
+        return Ok(Chosen {
+            points: Cow::Borrowed(&cloud.positions),
+            is_leaf: cloud.leaves.as_ref().map(|column| Cow::Borrowed(&column.is_leaf[..])),
+            note: column.and_then(|column| several(settings, column)),
+        });
     };
     let Some(column) = column else {
         return Err(ScanGrowthError::Trees(format!(
@@ -146,7 +159,11 @@ pub(crate) fn chosen<'a>(
             the_first(numbers)
         )));
     }
-    Ok((Cow::Owned(points), None))
+    let is_leaf = cloud.leaves.as_ref().map(|leaves| {
+        let rows = column.numbers.iter().zip(&leaves.is_leaf);
+        rows.filter(|(number, _)| **number == wanted).map(|(_, leaf)| *leaf).collect()
+    });
+    Ok(Chosen { points: Cow::Owned(points), is_leaf: is_leaf.map(Cow::Owned), note: None })
 }
 
 /// What is said where several trees are about to be grown as one, or none of those that were looked for is picked.

@@ -104,6 +104,13 @@ impl Trunk {
         self.rings[0].at
     }
 
+    /// How thick it is where it was seen first above the flare of its foot, metres.
+    pub fn radius_m(&self) -> f64 {
+        let last = self.along_m[self.along_m.len() - 1];
+        let at = self.along_m.partition_point(|&along| along < (0.15 * last));
+        self.rings[at.min(self.rings.len() - 1)].radius_m
+    }
+
     /// The axis, from the foot up.
     pub fn axis(&self) -> impl Iterator<Item = DVec3> {
         self.rings.iter().map(|ring| ring.at)

@@ -170,7 +170,7 @@ fn of_cubes(
     };
     let per_metre: Vec<f64> =
         near.boles.iter().map(|bole| libm::pow(2.0 * bole.radius_m, THICKNESS_POWER)).collect();
-    let cost = Cost { per_metre: &per_metre, linear_m: cube_m, turn: TURN };
+    let cost = Cost { per_metre: &per_metre, linear_m: cube_m, turn: TURN, leaves: &[] };
     let ways = graph.ways_of(start, &cost, monitor)?;
     let gaps_m = ways.widest_gaps_m(&graph);
     // Strays are no part of the graph; the others are in the same order.
