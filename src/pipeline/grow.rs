@@ -292,8 +292,9 @@ pub fn grow_as(
         for (fit, gap_m) in Arc::make_mut(&mut skeleton).fits.iter_mut().zip(of_nodes_m) {
             fit.gap_m = gap_m;
         }
+        let leaf_points = measured.leaf_points();
         let (points, gaps_m) = (Arc::new(measured.into_points()), Arc::new(of_points_m));
-        scan = Some(Scanned { points, gaps_m, measured_nodes, fit });
+        scan = Some(Scanned { points, gaps_m, leaf_points, measured_nodes, fit });
     }
     let as_grown =
         AsGrown { skeleton, given: Arc::new(organs), age: branched.age, most_nodes: branched.most_nodes };

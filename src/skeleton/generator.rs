@@ -459,6 +459,11 @@ pub trait Measured: Send + Sync {
     /// How many points were measured.
     fn count(&self) -> usize;
 
+    /// How many points beside them were taken for leaves, and measure nothing.
+    fn leaf_points(&self) -> usize {
+        0
+    }
+
     /// Bytes that they take.
     fn bytes(&self) -> u64;
 
@@ -536,10 +541,13 @@ pub struct InputTrees {
 /// A scan, and how near the tree that grew into it came.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scanned {
-    /// Points of the tree, metres, where it stands: without ground, strays and noise.
+    /// Points of the tree, metres, where it stands: those on wood, without ground, strays, noise
+    /// and leaves.
     pub points: Arc<Vec<Vec3>>,
     /// How far each of them is from the bark, metres.
     pub gaps_m: Arc<Vec<f32>>,
+    /// Points that were taken for leaves.
+    pub leaf_points: usize,
     /// Nodes whose radius was measured on points; the others' are carried on or guessed.
     pub measured_nodes: usize,
     /// Distances both ways.

@@ -56,8 +56,10 @@ struct StatsReport {
 /// How the tree compares with the scan that it grew into.
 #[derive(Serialize)]
 struct Scan {
-    /// Scanned points of the tree, without ground, strays and noise.
+    /// Scanned points on wood of the tree, without ground, strays, noise and leaves.
     points: usize,
+    /// Points that were taken for leaves.
+    leaf_points: usize,
     /// Nodes whose radius points bear out; the others' follow by the pipe model.
     measured_nodes: usize,
     points_to_axis: Distances,
@@ -82,10 +84,11 @@ impl Scan {
     }
 
     fn of_scanned(scanned: &Scanned) -> Self {
-        let Scanned { measured_nodes, fit, .. } = *scanned;
+        let Scanned { leaf_points, measured_nodes, fit, .. } = *scanned;
         let of = |spread: Spread| Distances { mean_m: spread.mean_m, p95_m: spread.p95_m };
         Self {
             points: scanned.points.len(),
+            leaf_points,
             measured_nodes,
             points_to_axis: of(fit.points_to_axis),
             points_to_surface: of(fit.points_to_surface),
@@ -228,8 +231,15 @@ impl Scan {
         let of = |way: &Distances| {
             format!("{:.1} mm on average, 95 % within {:.1} mm", 1e3 * way.mean_m, 1e3 * way.p95_m)
         };
-        let radii =
-            format!("{} points; radii of {} nodes measured", count(self.points), count(self.measured_nodes));
+        let leaves = match self.leaf_points {
+            0 => String::new(),
+            leaves => format!(" on wood, {} on leaves", count(leaves)),
+        };
+        let radii = format!(
+            "{} points{leaves}; radii of {} nodes measured",
+            count(self.points),
+            count(self.measured_nodes)
+        );
         vec![
             ("scan", radii),
             ("points-surface", of(&self.points_to_surface)),

@@ -167,7 +167,11 @@ impl Settings for ScanSettings {
                 None => Vec::new(),
             };
         let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
-        std::iter::once(points).chain(trees).collect()
+        let leaves = self
+            .cloud(inputs)
+            .and_then(|(cloud, _)| cloud.leaves.as_ref())
+            .map(|column| Passage { heading: "points on leaves", lines: vec![trees::leaf_line(column)] });
+        std::iter::once(points).chain(trees).chain(leaves).collect()
     }
 
     fn trees(&self, inputs: &Inputs, monitor: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
@@ -222,14 +226,15 @@ impl Settings for ScanSettings {
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        let Planted { stand, bark, foot, is_canopy } = planted(self, task, monitor)?;
+        let Planted { stand, bark, leaf_points, foot, is_canopy } = planted(self, task, monitor)?;
         let mut branched = stand.branched(&self.growth);
         if let Some(colonized) = &mut branched.colonized {
             colonized.is_canopy = is_canopy;
             colonized.foot = Some(foot);
         }
         let measures = self.measures(&task.wood);
-        branched.measured = bark.map(|bark| Box::new(Bark { points: bark, measures }) as Box<dyn Measured>);
+        branched.measured =
+            bark.map(|bark| Box::new(Bark { points: bark, leaf_points, measures }) as Box<dyn Measured>);
         Ok(branched)
     }
 
@@ -248,6 +253,8 @@ struct Planted {
     stand: Stand,
     /// The points on bark, where the tree stands; `None` where the points are no scan.
     bark: Option<Vec<Vec3>>,
+    /// Points that were taken for leaves.
+    leaf_points: usize,
     /// Where its foot is in the file.
     foot: DVec3,
     is_canopy: bool,
@@ -263,14 +270,14 @@ fn planted(
     let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, cloud, up, monitor)?;
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
-        let Prepared { site, bark, axes } =
+        let Prepared { site, bark, leaf_points, axes } =
             at_points(settings, (points, is_leaf), up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
         stand.notes.splice(0..0, of_trees.clone());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
         let bark = bark.map(|bark| bark.iter().map(place).collect());
         let foot = axes.of(stand.foot);
-        Ok(Planted { stand, bark, foot, is_canopy: what != As::Settings })
+        Ok(Planted { stand, bark, leaf_points, foot, is_canopy: what != As::Settings })
     };
     if let Some(cell) = cloud.cell {
         let scale = settings.scale.unwrap_or(1.0);
@@ -301,6 +308,7 @@ fn planted(
 /// Points on the bark of the tree, where it stands.
 struct Bark {
     points: Vec<Vec3>,
+    leaf_points: usize,
     /// Whether they say how thick the wood is.
     measures: bool,
 }
@@ -308,6 +316,10 @@ struct Bark {
 impl Measured for Bark {
     fn count(&self) -> usize {
         self.points.len()
+    }
+
+    fn leaf_points(&self) -> usize {
+        self.leaf_points
     }
 
     fn bytes(&self) -> u64 {

@@ -15,13 +15,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Cubes;
 use super::circle::median;
 use super::contract::{Graph, Ways};
 use super::foot::Foot;
 use super::neighbours::Neighbours;
 use super::surface::Patch;
 use super::trunk::Trunk;
+use super::{Cubes, ScanError};
 use linden_base::monitor::{Cancelled, Monitor};
 
 /// Radius by the longest way to a tip: the exponent.
@@ -47,6 +47,9 @@ const SCATTER: f64 = 3.5;
 /// apple, an ash and a horse chestnut in leaf.)
 const LEVEL: f64 = 0.85;
 
+/// For each point while leaves are told from wood: two trees of neighbours, thinned points, marks (by addition).
+const BYTES_PER_POINT: u64 = 220;
+
 /// Rounds in which each point becomes what most of its neighbours are.
 const ROUNDS: usize = 2;
 
@@ -69,7 +72,9 @@ pub(super) fn told(
     detail_m: f64,
     is_in_leaf: bool,
     monitor: &dyn Monitor,
-) -> Result<Option<Vec<bool>>, Cancelled> {
+) -> Result<Option<Vec<bool>>, ScanError> {
+    let bytes = graph.points.len() as u64 * BYTES_PER_POINT;
+    monitor.admit("telling leaves from wood", bytes, "thin the points out")?;
     let on_trunk: Vec<bool> =
         graph.points.par_iter().map(|p| trunks.iter().any(|(_, trunk)| trunk.place(*p).is_some())).collect();
     let all = Neighbours::new(&graph.points, monitor)?;

@@ -29,6 +29,8 @@ pub(crate) struct Prepared {
     pub site: Site,
     /// The points on bark, if they are.
     pub bark: Option<Vec<DVec3>>,
+    /// Points that were taken for leaves.
+    pub leaf_points: usize,
     pub axes: FileAxes,
 }
 
@@ -125,7 +127,8 @@ pub(crate) fn at_points(
             moves_to_root: true,
             notes,
         };
-        return Ok(Prepared { site, bark: Some(scan.bark), axes });
+        let leaf_points = scan.report.leaf_points;
+        return Ok(Prepared { site, bark: Some(scan.bark), leaf_points, axes });
     }
     let mut ground_m = None;
     if what == As::Canopy {
@@ -159,7 +162,7 @@ pub(crate) fn at_points(
         moves_to_root: true,
         notes,
     };
-    Ok(Prepared { site, bark: None, axes })
+    Ok(Prepared { site, bark: None, leaf_points: 0, axes })
 }
 
 /// Leaves out single far points, and what is known of them; how many.

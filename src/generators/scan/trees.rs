@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use glam::DVec3;
-use linden_base::input::{Cloud, TreeColumn, Up};
+use linden_base::input::{Cloud, LeafColumn, TreeColumn, Up};
 use linden_base::knob::{excerpt, printable};
 use linden_base::monitor::Monitor;
 
@@ -191,6 +191,12 @@ pub(crate) fn line(column: &TreeColumn) -> String {
     let counts = column.counts();
     let trees = counts.iter().map(|(number, points)| format!("{number} ({points} points)"));
     format!("'{}': {} trees: {}", excerpt(&column.name), counts.len(), the_first(trees))
+}
+
+/// The column that tells wood from leaves as a page shows it.
+pub(crate) fn leaf_line(column: &LeafColumn) -> String {
+    let leaves = column.is_leaf.iter().filter(|leaf| **leaf).count();
+    format!("'{}': {leaves} of {} points", excerpt(&column.name), column.is_leaf.len())
 }
 
 #[cfg(test)]
