@@ -156,6 +156,10 @@ fn a_small_tree_in_leaf_comes_back() {
     let of_bare = prepare(&bare.points, &ScanRule::default(), &Quiet).unwrap();
     assert_eq!(of_bare.report.leaf_points, 0);
     let found = told(&in_leaf, &ScanRule::default());
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let of_threads = [pool.install(rayon::current_num_threads), rayon::current_num_threads()];
+    let on_one = pool.install(|| prepare(&in_leaf.points, &ScanRule::default(), &Quiet).unwrap());
+    assert_eq!(on_one, prepare(&in_leaf.points, &ScanRule::default(), &Quiet).unwrap(), "{of_threads:?}");
     assert!(found.right > 0.8 && found.wood > 0.45 && found.leaf > 0.8, "{found:?}");
     let all_wood = ScanRule { leaf_points: LeafPoints::None, ..ScanRule::default() };
     assert!(told(&in_leaf, &all_wood).leaf < 0.05);

@@ -89,7 +89,7 @@ pub(super) fn told(
         .zip(&on_trunk)
         .map(|((&p, &near), &on_trunk)| {
             monitor.check()?;
-            // Level and scattered ones need no look.
+            // Farther from all ways even a smooth upright surface is none.
             Ok(on_trunk
                 || near > libm::exp(LEAST) && {
                     let count = |cube: usize| f64::from(cubes.count(cube));
