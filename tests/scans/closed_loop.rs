@@ -85,13 +85,14 @@ fn row(subject: &Subject, survey: Survey) -> Row {
     settings.seed = subject.seed;
     let scan = scan(&target, &settings, &Quiet).unwrap();
     let points: Vec<_> = scan.points.iter().map(|point| point.position.as_dvec3()).collect();
-    Row { points: points.len(), truth: TreeSizes::of(&grown.skeleton), back: grown_back(points) }
+    Row { points: points.len(), truth: TreeSizes::of(&grown.skeleton), back: grown_back(points, "auto") }
 }
 
 /// What a scan grows back to.
-pub fn grown_back(cloud: impl Into<Cloud>) -> TreeSizes {
+pub fn grown_back(cloud: impl Into<Cloud>, leaf_points: &str) -> TreeSizes {
     let mut preset = Preset::of("scan", ScanSettings::of("scan.ply".to_owned()));
     preset.set("origin", "keep").unwrap();
+    preset.set("leaf_points", leaf_points).unwrap();
     let input = Input { hash: 0, up: Up::Y, geometry: Geometry::Points(Arc::new(cloud.into())) };
     let back = Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect());
     TreeSizes::of(&grow(&back, &Quiet).unwrap().skeleton)

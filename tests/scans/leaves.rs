@@ -33,6 +33,10 @@ const SUBJECTS: [Subject; 8] = [
     subject("norway-spruce", 25, Use::Judging),
 ];
 
+/// For trees in leaf.
+const BY_PATHS: ScanRule =
+    ScanRule { step_m: None, noise_filter: true, stems: None, leaf_points: LeafPoints::Paths };
+
 /// Points, and which of them lie on leaves.
 struct Seen {
     points: Vec<DVec3>,
@@ -103,12 +107,12 @@ fn leaf_table() {
     for subject in SUBJECTS.iter().filter(|s| chosen.as_ref().is_none_or(|c| c.contains(s.preset))) {
         let tree = grown(subject);
         let truth = TreeSizes::of(&tree.1.skeleton);
-        let bare = grown_back(seen(&tree, 0.1, false).points);
+        let bare = grown_back(seen(&tree, 0.1, false).points, "auto");
         let in_leaf = seen(&tree, 0.1, true);
-        let told = told(&in_leaf, &ScanRule::default());
+        let told = told(&in_leaf, &BY_PATHS);
         let leaves = in_leaf.is_leaf.iter().filter(|leaf| **leaf).count() as f64;
         let count = in_leaf.points.len();
-        let back = grown_back(in_leaf.points);
+        let back = grown_back(in_leaf.points, "paths");
         let cells = [
             subject.preset.to_owned(),
             subject.seed.to_string(),
@@ -152,26 +156,25 @@ fn a_small_tree_in_leaf_comes_back() {
     let (bare, in_leaf) = (seen(&tree, 0.3, false), seen(&tree, 0.3, true));
     let on_leaves = in_leaf.is_leaf.iter().filter(|leaf| **leaf).count();
     assert!(2 * on_leaves > in_leaf.points.len());
-    // A bare tree has no leaves; in leaf most points are told right, on either kind.
+    // Unasked nothing is taken for a leaf; asked most points are told right, on either kind.
     let of_bare = prepare(&bare.points, &ScanRule::default(), &Quiet).unwrap();
     assert_eq!(of_bare.report.leaf_points, 0);
-    let found = told(&in_leaf, &ScanRule::default());
+    let found = told(&in_leaf, &BY_PATHS);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let of_threads = [pool.install(rayon::current_num_threads), rayon::current_num_threads()];
-    let on_one = pool.install(|| prepare(&in_leaf.points, &ScanRule::default(), &Quiet).unwrap());
-    assert_eq!(on_one, prepare(&in_leaf.points, &ScanRule::default(), &Quiet).unwrap(), "{of_threads:?}");
+    let on_one = pool.install(|| prepare(&in_leaf.points, &BY_PATHS, &Quiet).unwrap());
+    assert_eq!(on_one, prepare(&in_leaf.points, &BY_PATHS, &Quiet).unwrap(), "{of_threads:?}");
     assert!(found.right > 0.8 && found.wood > 0.45 && found.leaf > 0.8, "{found:?}");
-    let all_wood = ScanRule { leaf_points: LeafPoints::None, ..ScanRule::default() };
-    assert!(told(&in_leaf, &all_wood).leaf < 0.05);
+    assert!(told(&in_leaf, &ScanRule::default()).leaf < 0.05);
     let within = |back: f64, of: f64, part: f64| (back / of - 1.0).abs() < part;
-    let (bare, back) = (grown_back(bare.points), grown_back(in_leaf.points.clone()));
+    let (bare, back) = (grown_back(bare.points, "auto"), grown_back(in_leaf.points.clone(), "paths"));
     let volumes = [truth, bare, back].map(|sizes| sizes.volume_m3());
     assert!(within(volumes[2], volumes[1], 0.15) && within(volumes[2], volumes[0], 0.25), "{volumes:?}");
     assert!(within(back.dbh_m, truth.dbh_m, 0.1) && within(back.length_m(), bare.length_m(), 0.3));
     // What the file says of its points counts before what is found.
     let column = LeafColumn { name: "part".to_owned(), is_leaf: in_leaf.is_leaf };
     let cloud = Cloud { leaves: Some(column), ..Cloud::from(in_leaf.points) };
-    let by_column = grown_back(cloud);
+    let by_column = grown_back(cloud, "auto");
     assert!(by_column != back && within(by_column.volume_m3(), volumes[0], 0.25), "{by_column:?}");
 }
 

@@ -15,7 +15,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::circle::median;
 use super::contract::{Graph, Ways};
 use super::foot::Foot;
 use super::neighbours::Neighbours;
@@ -53,26 +52,15 @@ const BYTES_PER_POINT: u64 = 220;
 /// Rounds in which each point becomes what most of its neighbours are.
 const ROUNDS: usize = 2;
 
-/// Twigs are lines in so many details around a point,
-const TWIG_REACH: f64 = 2.5;
-
-/// and leaves are not: the median linearity of what is no thick wood, 0.86 to 0.94 in scans of bare trees, 0.46 to 0.51 in
-/// such of trees in leaf (the three).
-const BARE: f64 = 0.7;
-
-/// Points that are looked at for it.
-const SAMPLE: usize = 20_000;
-
-/// For each point of a graph whether it lies on a leaf; `None` where the tree is bare, unless `is_in_leaf` says what it is.
+/// For each point of a graph whether it lies on a leaf, in a scan of a tree in leaf.
 pub(super) fn told(
     graph: &Graph,
     ways: &Ways,
     foot: &Foot,
     trunks: &[(DVec3, Trunk)],
     detail_m: f64,
-    is_in_leaf: bool,
     monitor: &dyn Monitor,
-) -> Result<Option<Vec<bool>>, ScanError> {
+) -> Result<Vec<bool>, ScanError> {
     let bytes = graph.points.len() as u64 * BYTES_PER_POINT;
     monitor.admit("telling leaves from wood", bytes, "thin the points out")?;
     let on_trunk: Vec<bool> =
@@ -98,25 +86,11 @@ pub(super) fn told(
                 })
         })
         .collect::<Result<_, Cancelled>>()?;
-    if !is_in_leaf {
-        let others: Vec<DVec3> =
-            graph.points.iter().zip(&is_wood).filter(|(_, wood)| !**wood).map(|(p, _)| *p).collect();
-        let linearity = |p: &DVec3| {
-            let patch = Patch::around(*p, TWIG_REACH * detail_m, (&all, &graph.points), |_| 1.0);
-            monitor.check().map(|()| patch.linearity)
-        };
-        let stride = others.len().div_ceil(SAMPLE).max(1);
-        let sample: Vec<DVec3> = others.into_iter().step_by(stride).collect();
-        let mut found: Vec<f64> = sample.par_iter().map(linearity).collect::<Result<_, Cancelled>>()?;
-        if median(&mut found).is_none_or(|linearity| linearity > BARE) {
-            return Ok(None);
-        }
-    }
     for _ in 0..ROUNDS {
         let of_most = graph.of_most(&is_wood);
         is_wood = of_most.into_iter().zip(&on_trunk).map(|(wood, &on_trunk)| wood || on_trunk).collect();
     }
-    Ok(Some(is_wood.into_iter().map(|wood| !wood).collect()))
+    Ok(is_wood.into_iter().map(|wood| !wood).collect())
 }
 
 /// How thick wood is expected to be along the way through each point, metres.

@@ -10,7 +10,7 @@
 //! 3. the trunk: circles through slices of its bark, from the foot up; their centres are its axis (`trunk`);
 //! 4. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/1000 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
-//! 5. wood and leaves told apart, where the tree is in leaf (`leaves`): leaves are no bark, and ways keep to wood;
+//! 5. wood and leaves told apart, where that is asked for or known (`leaves`): leaves are no bark, and ways keep to wood;
 //! 6. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
 //! 7. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
@@ -203,7 +203,7 @@ pub struct ScanRule {
     pub noise_filter: bool,
     /// How many stems there are; `None` leaves it to the cloud.
     pub stems: Option<usize>,
-    /// Which points lie on leaves, where nobody has said of each.
+    /// Which points lie on leaves.
     pub leaf_points: LeafPoints,
 }
 
@@ -293,12 +293,9 @@ pub fn prepare_distinct(
     };
     let mut ways = graph.ways(start, &[], monitor)?;
     let found = match (&is_leaf, rule.leaf_points) {
-        (_, LeafPoints::None) => None,
         (Some(is_leaf), LeafPoints::Auto) => Some(cubes.most(&graph.points, is_leaf)),
-        (_, rule) => {
-            let is_asked = rule == LeafPoints::Paths;
-            leaves::told(&graph, &ways, foot, &trunks, detail_m, is_asked, monitor)?
-        }
+        (_, LeafPoints::Paths) => Some(leaves::told(&graph, &ways, foot, &trunks, detail_m, monitor)?),
+        (None, LeafPoints::Auto) | (_, LeafPoints::None) => None,
     };
     let leaf_nodes = found.unwrap_or_default();
     let scanned = bark.len();

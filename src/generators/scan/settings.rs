@@ -28,9 +28,9 @@ words! {
 words! {
     /// Which points of a scan lie on leaves.
     LeafPoints {
-        /// What a column of the file says, else those that are found where the tree is in leaf.
+        /// What a column of the file says, if it has one.
         Auto = "auto",
-        /// Those that are found.
+        /// Those that are found in a tree in leaf.
         Paths = "paths",
         /// None: all lie on wood.
         None = "none"
@@ -115,13 +115,13 @@ impl ScanSettings {
             "leaf_points",
             Kind::Choice(LeafPoints::WORDS),
             "",
-            "points of a scan on leaves; auto: a column of the file, else found where the tree is in leaf; paths: found; none: all are wood",
+            "points of a scan on leaves; auto: by a column of the file, if it has one; paths: found, for a tree in leaf; none: all are wood",
             leaf_points,
             details(
                 "Twigs grow to points on leaves, but no radius is measured on them. paths finds them by their way from \
                  the foot: wood has long ways beyond it, is as thick as these let expect, and its bark is smooth. auto \
-                 looks for a column part, semantic_seg or wood_leaf (1 wood, 2 leaf), or is_leaf (0, 1), and else takes the \
-                 tree to be in leaf where what is no thick wood does not lie along lines, as bare twigs do."
+                 looks for a column part, semantic_seg or wood_leaf (1 wood, 2 leaf), or is_leaf (0, 1). paths is for trees \
+                 in leaf alone: of a bare one it takes twigs for leaves."
             ),
             see_also(&["scan_radius", "noise_filter", "contract"])
         ),

@@ -12,8 +12,6 @@ const SWEEPS: usize = 6;
 pub(super) struct Patch {
     /// How little they are a surface: the least eigenvalue of their covariance ÷ the largest.
     pub scatter: f64,
-    /// How much they are a line: the difference of the two larger ones ÷ the largest.
-    pub linearity: f64,
     /// Across the surface.
     pub normal: DVec3,
 }
@@ -40,13 +38,9 @@ impl Patch {
         let (values, vectors) = eigen(products * (1.0 / f64::max(total, 1.0)) - of_mean);
         let mut order = [0, 1, 2];
         order.sort_unstable_by(|&a, &b| values[a].total_cmp(&values[b]));
-        let [least, middle, largest] = order.map(|n| values[n].max(0.0));
+        let [least, _, largest] = order.map(|n| values[n].max(0.0));
         let of_largest = |value: f64| value / largest.max(f64::MIN_POSITIVE);
-        Self {
-            scatter: of_largest(least),
-            linearity: of_largest(largest - middle),
-            normal: vectors.col(order[0]),
-        }
+        Self { scatter: of_largest(least), normal: vectors.col(order[0]) }
     }
 }
 
@@ -109,7 +103,7 @@ mod tests {
         let cloud: Vec<DVec3> = (0..3000).map(|i| DVec3::new(unit(i, 0), unit(i, 1), unit(i, 2))).collect();
         assert!(patch(&cloud).scatter > 0.7);
         let line: Vec<DVec3> = (0..30).map(|i| DVec3::splat(unit(i, 0))).collect();
-        assert!(patch(&line).linearity > 0.999 && patch(&wall).linearity < 0.2);
+        assert!(patch(&line).scatter < 1e-6);
         assert!(patch(&[DVec3::ZERO]).scatter == 0.0);
     }
 }
