@@ -16,7 +16,7 @@ use linden::input::Up;
 use linden::preset::{Preset, builtin};
 use linden::random::Key;
 use linden::recipe::{Geometry, Input, Recipe};
-use linden::scan::{ScanRule, fit, prepare};
+use linden::scan::{ScanRule, gaps, prepare};
 use linden::surface::sweep;
 use linden::{DVec3, Quiet, Vec3};
 use linden_tests::presets::recipe;
@@ -76,7 +76,7 @@ fn main() {
             prepare(&points, &ScanRule::default(), &Quiet).unwrap();
         });
         let measured = median(&|| {
-            fit(&placed, &grown.skeleton, &Quiet).unwrap();
+            gaps(&placed, &grown.skeleton, &Quiet).unwrap();
         });
         let all = median(&|| {
             grow(&recipe, &Quiet).unwrap();
