@@ -150,8 +150,9 @@ impl Exporter for Mtg {
         let columns = most as usize + 2 + usize::from(trees.iter().any(|(_, scene)| organs(scene) > 0));
         let (name, recipe) = recipe::of_stage(stage);
         let head = format!(
-            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\tdx\tdy\tdz\tnx\tny\tnz\tred\tgreen\tblue\n",
+            "{}{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\tdx\tdy\tdz\tnx\tny\tnz\tred\tgreen\tblue\n",
             recipe::comments(name, recipe, "metres; up axis: Z"),
+            recipe::foot_comment(stage, "#"),
             "\t".repeat(columns)
         );
         if !with_organs && trees.iter().all(|(_, scene)| scene.organs.is_empty()) {

@@ -150,7 +150,7 @@ impl Exporter for Obj {
 
 fn header(stage: &Stage<'_>) -> String {
     let units = "metres, up axis: Y, triangles counter-clockwise from outside";
-    recipe::comments(&stage.name, &stage.recipe, units)
+    recipe::comments(&stage.name, &stage.recipe, units) + &recipe::foot_comment(stage, "#")
 }
 
 /// What the `number`-th tree is called.

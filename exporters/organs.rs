@@ -82,7 +82,7 @@ impl Exporter for Organs {
         let mut head = String::new();
         if options.is_on("comments") {
             let (name, recipe) = recipe::of_stage(stage);
-            head = recipe::comments(name, recipe, "metres, up axis: Y");
+            head = recipe::comments(name, recipe, "metres, up axis: Y") + &recipe::foot_comment(stage, "#");
         }
         head += HEADER;
         bundle.write_main(None, monitor, |out| {

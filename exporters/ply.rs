@@ -120,7 +120,7 @@ impl Exporter for Ply {
         if vertices > i32::MAX as usize || faces > i32::MAX as usize {
             return Err(too_large(MESH.id, format!("{vertices} vertices and {faces} triangles")));
         }
-        let mut head = header(&stage.name, &stage.recipe, ascii);
+        let mut head = header(&stage.name, &stage.recipe, ascii) + &recipe::foot_comment(stage, "comment");
         // Readers see one mesh: which vertices belong together is told here.
         let mut first = 0;
         for piece in distinct.placed(stage).take(1).flat_map(|(_, model)| &model.parts) {
@@ -263,7 +263,7 @@ impl Exporter for PlySkeleton {
         let more = bytes_of::<[u32; 4]>(most) + records::bytes(most);
         memory::admit(stage, &[], more, monitor)?;
         let (name, recipe) = recipe::of_stage(stage);
-        let mut head = header(name, recipe, ascii);
+        let mut head = header(name, recipe, ascii) + &recipe::foot_comment(stage, "comment");
         head += &format!("element vertex {nodes}\n");
         for name in ["x", "y", "z", "radius"] {
             head += &format!("property float {name}\n");

@@ -78,6 +78,20 @@ pub(crate) fn of_stage<'a>(stage: &'a Stage<'_>) -> (&'a str, &'a str) {
     }
 }
 
+/// Where the foot of the one tree on a stage is in the file of the scan that it grew into: three numbers; `None` where
+/// there are several trees or it grew into none.
+pub(crate) fn foot_in_file(stage: &Stage<'_>) -> Option<[f64; 3]> {
+    let (_, scene) = stage.finest().next().filter(|_| stage.is_single())?;
+    scene.foot_in_file.map(|foot| foot.to_array())
+}
+
+/// [`foot_in_file`] as the end of comments, with what begins each of them; nothing where there is none.
+pub(crate) fn foot_comment(stage: &Stage<'_>, mark: &str) -> String {
+    foot_in_file(stage).map_or_else(String::new, |[x, y, z]| {
+        format!("{mark} foot in the scan's file, its axes and units: {x} {y} {z}\n")
+    })
+}
+
 /// The comments that a text begins with: what wrote it, a name, the recipe as [`in_comments`] finds it, and what its
 /// numbers are.
 ///

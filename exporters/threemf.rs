@@ -135,10 +135,13 @@ fn write_model(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<model unit=\"millimeter\" xml:lang=\"en-US\" \
          xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" \
          xmlns:linden=\"urn:linden\">\n<metadata name=\"Title\">{title}{END}\n\
-         <metadata name=\"Application\">{}{END}\n<metadata name=\"linden:scale\">{scale}{END}\n{RECIPE}{}{END}\n\
+         <metadata name=\"Application\">{}{END}\n<metadata name=\"linden:scale\">{scale}{END}\n{RECIPE}{}{END}\n{}\
          <resources>\n<basematerials id=\"1\">\n",
         escaped(GENERATOR),
         escaped(recipe),
+        recipe::foot_in_file(stage).map_or_else(String::new, |[x, y, z]| {
+            format!("<metadata name=\"linden:footInFile\">{x} {y} {z}{END}\n")
+        }),
     );
     for named in &distinct.materials {
         let [r, g, b] = named.material.base_color.map(srgb);

@@ -245,6 +245,9 @@ pub(super) struct Extras {
     /// What a mesh's morph targets are called: the extras are where importers look for that.
     #[serde(rename = "targetNames", skip_serializing_if = "Vec::is_empty")]
     pub target_names: Vec<&'static str>,
+    /// Where the tree's foot is in the file of the scan that it grew into, in that file's axes and units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_foot_in_file: Option<[f64; 3]>,
     /// What camera, sun and ground were asked for with, where that is not the usual.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_setting: Option<String>,
@@ -260,6 +263,7 @@ pub(super) struct Extras {
 impl Extras {
     fn is_empty(&self) -> bool {
         self.linden.is_none()
+            && self.linden_foot_in_file.is_none()
             && self.screen_coverage.is_empty()
             && self.target_names.is_empty()
             && self.linden_setting.is_none()

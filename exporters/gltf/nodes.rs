@@ -111,7 +111,11 @@ pub(super) fn nodes(
     let arrays = &layout.primitives;
     let root = Node {
         name: stage.name.clone(),
-        extras: Extras { linden: recipe(&stage.recipe), ..Extras::default() },
+        extras: Extras {
+            linden: recipe(&stage.recipe),
+            linden_foot_in_file: crate::recipe::foot_in_file(stage),
+            ..Extras::default()
+        },
         ..Node::default()
     };
     let mut graph = Graph {

@@ -121,7 +121,8 @@ impl Exporter for Qsm {
         let mut head = String::new();
         if options.is_on("comments") {
             let (name, recipe) = recipe::of_stage(stage);
-            head = recipe::comments(name, recipe, "metres, up axis: Y; parent 0: none");
+            head = recipe::comments(name, recipe, "metres, up axis: Y; parent 0: none")
+                + &recipe::foot_comment(stage, "#");
         }
         head += HEADER;
         let is_measured = trees.iter().any(|(_, scene)| !scene.skeleton.fits.is_empty());
@@ -165,7 +166,7 @@ fn write_dialect(
     let mut head = String::new();
     if options.is_on("comments") {
         let (name, recipe) = recipe::of_stage(stage);
-        head = recipe::comments(name, recipe, "metres, up axis: Z");
+        head = recipe::comments(name, recipe, "metres, up axis: Z") + &recipe::foot_comment(stage, "#");
     }
     head += dialect.header();
     bundle.write_main(None, monitor, |out| {

@@ -47,6 +47,7 @@ pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str
         variants,
         bounds: None,
         is_labelled: false,
+        foot_in_file: crate::recipe::foot_in_file(stage),
     }
     .open(layer)?;
     let mut names = Names::default();
@@ -110,6 +111,7 @@ fn write_plant(
         variants,
         bounds: component.bounds(),
         is_labelled: writing.said.labels,
+        foot_in_file: None,
     }
     .open(layer)?;
     if let Some(place) = place.filter(|place| !place.is_origin()) {

@@ -576,6 +576,7 @@ fn head<'a>(writing: &'a Writing<'_>, prim: &'a str, component: &Component<'_>) 
         variants: component.variants(),
         bounds: component.bounds(),
         is_labelled: writing.said.labels,
+        foot_in_file: recipe::foot_in_file(writing.stage),
     }
 }
 

@@ -31,6 +31,8 @@ pub(super) struct Head<'a> {
     pub bounds: Option<Bounds>,
     /// Whether it says what it is for those who learn from pictures.
     pub is_labelled: bool,
+    /// Where its foot is in the file of the scan that it grew into.
+    pub foot_in_file: Option<[f64; 3]>,
 }
 
 /// The attribute of labels, and how the line begins that has it.
@@ -125,7 +127,11 @@ impl Head<'_> {
         if self.is_labelled {
             layer.lines(&format!("{LABELS_TRACE}[\"{CLASS}\", {name}]"))?;
         }
-        layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}\n\n"))
+        layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}"))?;
+        if let Some([x, y, z]) = self.foot_in_file {
+            layer.lines(&format!("custom double3 userProperties:linden:footInFile = ({x}, {y}, {z})"))?;
+        }
+        layer.lines("\n")
     }
 }
 

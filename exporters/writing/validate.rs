@@ -320,6 +320,7 @@ mod tests {
                 ..Skeleton::default()
             }),
             organs: DressedOrgans::default(),
+            foot_in_file: None,
         }
     }
 

@@ -151,8 +151,9 @@ impl Grown {
     }
 
     /// The tree as it is dressed.
-    pub const fn body(&self) -> Body<'_> {
-        Body { skeleton: &self.skeleton, organs: &self.organs, given: &self.given }
+    pub fn body(&self) -> Body<'_> {
+        let foot_in_file = self.colonized.as_ref().and_then(|colonized| colonized.foot);
+        Body { skeleton: &self.skeleton, organs: &self.organs, given: &self.given, foot_in_file }
     }
 }
 

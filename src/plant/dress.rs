@@ -211,6 +211,7 @@ impl Wardrobe {
                 parts: Vec::new(),
                 skeleton: Arc::clone(body.skeleton),
                 organs: self.organs(specimen, body.organs),
+                foot_in_file: body.foot_in_file,
             });
         }
         let held = body.bytes() + specimen.inputs.bytes() + self.bytes();
@@ -263,6 +264,7 @@ impl Wardrobe {
             parts,
             skeleton: Arc::clone(body.skeleton),
             organs,
+            foot_in_file: body.foot_in_file,
         })
     }
 

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
+
 use crate::foliage::{DressedOrgans, Instances};
 use crate::wind::PartWind;
 pub use linden_base::mesh::{Bounds, Mesh};
@@ -26,6 +28,9 @@ pub struct Scene {
     pub skeleton: Arc<Skeleton>,
     /// What grows on the wood, one by one: the parts show it.
     pub organs: DressedOrgans,
+    /// Where its foot is in the file of the scan that it grew into, in that file's axes and units: far from the origin where
+    /// they are those of a country. `None` where it grew into none.
+    pub foot_in_file: Option<DVec3>,
 }
 
 impl Scene {

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use linden_base::input::{Geometry, Inputs, UserPicture};
 use linden_base::random::Key;
 use linden_skeleton::Skeleton;
@@ -93,6 +94,8 @@ pub struct Body<'a> {
     pub organs: &'a Arc<Organs>,
     /// The organs that its generator placed: without the leaves of the dressing.
     pub given: &'a Arc<Organs>,
+    /// Where its foot is in the file that it grew into, as [`crate::scene::Scene::foot_in_file`].
+    pub foot_in_file: Option<DVec3>,
 }
 
 impl Body<'_> {

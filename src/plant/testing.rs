@@ -92,7 +92,7 @@ impl Subject {
 }
 
 pub fn body(grown: &Grown) -> Body<'_> {
-    Body { skeleton: &grown.skeleton, organs: &grown.organs, given: &grown.given }
+    Body { skeleton: &grown.skeleton, organs: &grown.organs, given: &grown.given, foot_in_file: None }
 }
 
 fn dressing(preset: &Preset) -> Dressing {

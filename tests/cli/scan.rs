@@ -134,3 +134,51 @@ fn a_scan_is_looked_at_in_slices_with_its_points_and_by_how_sure_its_radii_are()
         assert!(said.code == Some(2) && said.err.contains("metres above the foot"), "{bad}: {}", said.err);
     }
 }
+
+#[test]
+fn files_say_where_a_scanned_tree_stands_in_its_country() {
+    let folder = Folder::new();
+    // A pole of 4 m and 0.3 m thick, Z up, on a national grid.
+    let foot = [481_000.25, 5_523_000.5, 210.0];
+    let places = (0..200_u16).flat_map(|ring| (0..24_u16).map(move |side| (ring, side)));
+    let rows = places.map(|(ring, side)| {
+        let (sin, cos) = (f64::from(side) / 24.0 * std::f64::consts::TAU).sin_cos();
+        let z = foot[2] + 0.02 * f64::from(ring);
+        format!("{:.4} {:.4} {z:.4}\n", foot[0] + 0.15 * cos, foot[1] + 0.15 * sin)
+    });
+    folder.write("pole.xyz", rows.collect::<String>());
+    let files =
+        ["a.glb", "a.gltf", "a.obj", "a.ply", "a.usda", "a.usdc", "a.csv", "a.mtg", "a.3mf", "a.organs.csv"];
+    let outputs: Vec<&str> = files.iter().flat_map(|file| ["-o", file]).collect();
+    let said = folder.run(&[&["export", "pole.xyz"], &outputs[..]].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let told = |text: &str, before: &str, between: &str| -> Vec<f64> {
+        let rest = text.split(before).nth(1).unwrap_or_else(|| panic!("no {before}"));
+        let numbers = rest.split(['\n', ']', ')', '<']).next().unwrap().split(between);
+        numbers.map(|number| number.trim().parse().unwrap()).collect()
+    };
+    let comment = "foot in the scan's file, its axes and units: ";
+    for (file, before, between) in [
+        ("a.glb", "\"linden_foot_in_file\":[", ","),
+        ("a.gltf", "\"linden_foot_in_file\":[", ","),
+        ("a.obj", comment, " "),
+        ("a.ply", comment, " "),
+        ("a.usda", "userProperties:linden:footInFile = (", ","),
+        ("a.csv", comment, " "),
+        ("a.mtg", comment, " "),
+        ("a.organs.csv", comment, " "),
+    ] {
+        let bytes = folder.read(file);
+        let found = told(&String::from_utf8_lossy(&bytes), before, between);
+        assert_eq!(found.len(), 3, "{file}: {found:?}");
+        let off = found.iter().zip(foot).map(|(found, true_m)| (found - true_m).abs()).fold(0.0, f64::max);
+        assert!(off < 0.05, "{file}: {found:?}");
+    }
+    // Read back, each carries the recipe still; and what grew into nothing stands nowhere.
+    for file in files {
+        let said = folder.run(&["recipe", file]);
+        assert_eq!(said.code, Some(0), "{file}: {}", said.err);
+    }
+    folder.run(&["export", "fir", "--set=points=60", "-o", "fir.obj"]).done();
+    assert!(!String::from_utf8(folder.read("fir.obj")).unwrap().contains("foot in"));
+}

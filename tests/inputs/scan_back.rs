@@ -25,7 +25,7 @@ fn key() -> Key {
 fn scanned(what: &str, hits: &[Hit], sd_m: f64, settings: &[(&str, &str)]) -> (Grown, Sizes) {
     let grown = grown_back(measured(hits, sd_m, key().named("error")), settings);
     let sizes = sizes(&grown.skeleton);
-    let scan = grown.colonized.as_ref().unwrap().scan.unwrap();
+    let scan = grown.colonized.as_ref().unwrap().scan.as_ref().unwrap();
     println!("{}", line(what, &sizes, Some(&scan.fit)));
     (grown, sizes)
 }
@@ -112,7 +112,7 @@ fn radii_are_the_scans_own() {
     assert!((by_points.breast_m / 0.6 - 1.0).abs() < 0.06, "{}", by_points.breast_m);
     assert!(by_pipe.breast_m < 0.45, "{}", by_pipe.breast_m);
     let surface =
-        |grown: &Grown| grown.colonized.as_ref().unwrap().scan.unwrap().fit.points_to_surface.mean_m;
+        |grown: &Grown| grown.colonized.as_ref().unwrap().scan.as_ref().unwrap().fit.points_to_surface.mean_m;
     assert!(surface(&points) < 0.75 * surface(&pipe), "{} {}", surface(&points), surface(&pipe));
     assert_eq!(pipe.colonized.unwrap().scan.unwrap().measured_nodes, 0);
     // Towards the tips wood only shrinks.

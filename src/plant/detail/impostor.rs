@@ -233,6 +233,7 @@ mod tests {
             parts,
             skeleton: Arc::new(Skeleton { positions: vec![Vec3::ZERO], ..Skeleton::default() }),
             organs: DressedOrgans::default(),
+            foot_in_file: None,
         }
     }
 

@@ -425,7 +425,15 @@ fn scene(radius: f32) -> Scene {
     let (skeleton, name) = (Arc::new(Skeleton::default()), "ball".to_owned());
     let parts = vec![part(ball(Vec3::new(0.0, radius, 0.0), radius), 0)];
     let materials = vec![material([0.2, 0.5, 0.1])];
-    Scene { name, recipe: "{}".to_owned(), skeleton, organs: DressedOrgans::default(), parts, materials }
+    Scene {
+        name,
+        recipe: "{}".to_owned(),
+        skeleton,
+        organs: DressedOrgans::default(),
+        parts,
+        materials,
+        foot_in_file: None,
+    }
 }
 
 #[test]

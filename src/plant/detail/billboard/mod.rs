@@ -105,6 +105,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
         skeleton: Arc::clone(&scene.skeleton),
         organs: DressedOrgans::default(),
+        foot_in_file: scene.foot_in_file,
     })
 }
 

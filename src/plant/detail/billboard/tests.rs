@@ -15,6 +15,7 @@ fn scene(materials: Vec<Material>, meshes: Vec<Mesh>) -> Scene {
         parts: meshes.into_iter().enumerate().map(part).collect(),
         skeleton: Arc::new(Skeleton { positions: vec![Vec3::ZERO], ..Skeleton::default() }),
         organs: DressedOrgans::default(),
+        foot_in_file: None,
     }
 }
 
