@@ -26,6 +26,7 @@ class Mesh:
     uvs: np.ndarray  # V up
     triangles: np.ndarray
     bounds: tuple | None = None  # as the file declares them
+    second: np.ndarray | None = None  # TEXCOORD_1, as it is stored
 
 
 @dataclass
@@ -285,7 +286,8 @@ def gltf(path):
                 normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
             yield Mesh(mesh["name"], positions.astype(np.float64), normals.astype(np.float64),
                        np.stack([uvs[:, 0], 1 - uvs[:, 1]], axis=1),
-                       array(primitive["indices"]).astype(np.int64).reshape(-1, 3), bounds)
+                       array(primitive["indices"]).astype(np.int64).reshape(-1, 3), bounds,
+                       array(attributes["TEXCOORD_1"]).astype(np.float64) if "TEXCOORD_1" in attributes else None)
 
     def local(node):
         x, y, z, w = node.get("rotation", [0, 0, 0, 1])
@@ -335,7 +337,7 @@ def moved(mesh, matrix):
     normals = mesh.normals @ matrix[:3, :3].T
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     positions = mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]
-    return Mesh(mesh.name, positions, normals, mesh.uvs, mesh.triangles)
+    return Mesh(mesh.name, positions, normals, mesh.uvs, mesh.triangles, second=mesh.second)
 
 
 def entries(path):

@@ -4,6 +4,7 @@ import json
 import subprocess
 from pathlib import Path
 
+import judge
 import numpy as np
 import readers
 
@@ -22,7 +23,7 @@ def of(row, path, twins):
         return want
     if format in ("usda", "usdc", "usdz"):
         # Our reader of USD asks OpenUSD, which is judged itself: the same tree as glTF says what has to be there.
-        shared = [f"--set=glb.{name}={value}" for name, value in row.get("set", {}).items() if name in ("pictures", "collision", "collision_most")]
+        shared = [f"--set=glb.{name}={value}" for name, value in row.get("set", {}).items() if name in ("pictures", "collision", "collision_most", "lightmap_uv")]
         return twins.of(row.get("plant", "tree"), (*row.get("with", []), *shared), row.get("twin"), has_sky=False)
     if format in ("obj", "ply", "stl"):
         tree = readers.read(path)
@@ -80,6 +81,8 @@ def gltf(path, has_sky=True):
                 "picture": "baseColorTexture" in material.get("pbrMetallicRoughness", {}), "normals": "normalTexture" in material,
                 "cut": material.get("alphaMode") == "MASK", "two": material.get("doubleSided", False),
             }
+    # How much of a picture the second texture coordinates cover.
+    want["second"] = sum(judge.covered(mesh.second, mesh.triangles) for mesh in tree.meshes if mesh.second is not None)
     want["morphs"] = max(len(part.get("targets", [])) for part in parts)
     want["joints"] = sum(len(skin["joints"]) for skin in document.get("skins", []))
     want["levels"] = 1 + max((len(node.get("extensions", {}).get("MSFT_lod", {}).get("ids", [])) for node in nodes), default=0)

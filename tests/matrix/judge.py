@@ -97,6 +97,28 @@ def packed(_, want, facts):
     return None if colour and len(sets) >= 3 - ("uv2" in found and "custom0" in found) else f"has {', '.join(sorted(facts.get('attributes', [])))[:120]}"
 
 
+def covered(pairs, corners):
+    """The area of triangles in a picture, each for itself, whichever way up they are."""
+    a, b, c = np.array(pairs, dtype=float)[np.array(corners, dtype=int).reshape(-1, 3)].transpose(1, 2, 0)
+    return float(np.abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]).sum() / 2)
+
+
+def second(_, want, facts):
+    """A pair for each vertex, in the picture, which covers as much of it as what was written."""
+    if not facts.get("second"):
+        return "none"
+    area = 0.0
+    for part in facts["second"]:
+        pairs = np.array(part["pairs"], dtype=float).reshape(-1, 2)
+        if len(pairs) != part["vertices"]:
+            return f"{len(pairs)} for {part['vertices']} vertices"
+        # Neither is what is no number.
+        if not (np.abs(pairs - 0.5) < 0.5 + 1e-4).all():
+            return f"from {pairs.min():.3f} to {pairs.max():.3f}"
+        area += covered(pairs, part["corners"])
+    return None if abs(area - want["second"]) < 1e-2 * want["second"] else f"{area:.3f} of {want['second']:.3f} covered"
+
+
 def counted(key):
     def fault(_, want, facts):
         return None if facts.get(key, 0) == want[key] else f"{facts.get(key, 0)} of {want[key]}"
@@ -133,6 +155,7 @@ HOLDS = {
     "wind": wind,
     "primvars": wind,
     "packed": packed,
+    "second": second,
     "morphs": counted("morphs"),
     "joints": counted("joints"),
     "clip": clip,

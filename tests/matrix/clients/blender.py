@@ -50,7 +50,7 @@ def material(each):
 
 def facts(ending):
     low, high = [float("inf")] * 3, [float("-inf")] * 3
-    told = {"triangles": 0, "lines": 0, "points": 0, "curves": 0, "morphs": 0, "joints": 0, "instances": 0, "materials": {}, "nodes": []}
+    told = {"triangles": 0, "lines": 0, "points": 0, "curves": 0, "morphs": 0, "joints": 0, "instances": 0, "materials": {}, "nodes": [], "second": []}
     attributes = set()
     # As it stands in no wind.
     for armature in bpy.data.armatures:
@@ -80,6 +80,10 @@ def facts(ending):
             low, high = [min(a, b) for a, b in zip(low, at)], [max(a, b) for a, b in zip(high, at)]
         attributes |= {attribute.name for attribute in mesh.attributes}
         attributes |= {f"uv:{layer.name}" for layer in mesh.uv_layers}
+        for layer in mesh.uv_layers[1:2]:
+            pairs = [0.0] * (2 * len(mesh.loops))
+            layer.uv.foreach_get("vector", pairs)
+            told["second"].append({"vertices": len(mesh.loops), "pairs": pairs, "corners": [i for each in mesh.loop_triangles for i in each.loops]})
         for slot in mesh.materials:
             if slot:
                 told["materials"][slot.name] = material(slot)

@@ -90,7 +90,7 @@ func load_file(task: Dictionary) -> void:
 
 
 func count(top: Node) -> Dictionary:
-	var told := {"triangles": 0, "morphs": 0, "lines": 0}
+	var told := {"triangles": 0, "morphs": 0, "lines": 0, "second": []}
 	var low := Vector3.INF
 	var high := -Vector3.INF
 	var materials := {}
@@ -116,6 +116,10 @@ func count(top: Node) -> Dictionary:
 				attributes["COLOR"] = true
 			if arrays[Mesh.ARRAY_TEX_UV2]:
 				attributes["UV2"] = true
+				var pairs := []
+				for pair: Vector2 in arrays[Mesh.ARRAY_TEX_UV2]:
+					pairs.append([pair.x, pair.y])
+				told.second.append({"vertices": points.size(), "pairs": pairs, "corners": indices if indices else range(points.size())})
 			if arrays[Mesh.ARRAY_CUSTOM0]:
 				attributes["CUSTOM0"] = true
 			var material: BaseMaterial3D = mesh.surface_get_material(i)

@@ -23,7 +23,7 @@ class Facts:
     """What is collected of a scene."""
 
     def __init__(self):
-        self.told = defaultdict(int, materials={}, nodes=[], clips=[])
+        self.told = defaultdict(int, materials={}, nodes=[], clips=[], second=[])
         self.points = []
         self.attributes = set()
 
@@ -31,6 +31,10 @@ class Facts:
         """So many triangles between points, where a matrix (column vectors) puts them."""
         self.points.append(np.asarray(points).reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3])
         self.told["triangles"] += int(count)
+
+    def second(self, vertices, pairs, corners):
+        """Second texture coordinates of a mesh, and which of them the corners of its triangles have."""
+        self.told["second"].append({"vertices": vertices, "pairs": np.asarray(pairs, dtype=float).tolist(), "corners": np.asarray(corners).tolist()})
 
     def done(self):
         points = np.vstack(self.points) if self.points else np.zeros((1, 3))
@@ -59,6 +63,8 @@ def assimp(path):
                 # What is not a number is written as a word.
                 facts.mesh(np.array(mesh["vertices"], dtype=float), sum(len(face) - 2 for face in mesh["faces"] if len(face) > 2), matrix)
                 used.add(mesh["materialindex"])
+                for pairs, width in list(zip(mesh.get("texturecoords", []), mesh.get("numuvcomponents", [])))[1:2]:
+                    facts.second(len(mesh["vertices"]) // 3, np.array(pairs, dtype=float).reshape(-1, width)[:, :2], [face for face in mesh["faces"] if len(face) == 3])
             else:
                 facts.told["lines"] += len(mesh["faces"])
                 facts.told["points"] += len(mesh["vertices"]) // 3
@@ -98,6 +104,8 @@ def with_trimesh(path):
             continue
         facts.mesh(mesh.vertices, len(mesh.faces), matrix)
         facts.attributes |= set(mesh.vertex_attributes)
+        if (pairs := mesh.vertex_attributes.get("TEXCOORD_1")) is not None:
+            facts.second(len(mesh.vertices), pairs, mesh.faces)
         if mesh.visual.kind == "vertex":
             facts.attributes.add("color")
         material = getattr(mesh.visual, "material", None)
@@ -147,6 +155,9 @@ def tinyusdz(path):
             mesh = meshes[node.content_id]
             facts.mesh(np.array(mesh.points), np.array(mesh.face_vertex_counts).sum() - 2 * len(np.array(mesh.face_vertex_counts)),
                        np.array(node.global_matrix).T)
+            corners = np.array(mesh.face_vertex_indices)
+            if (pairs := mesh.texcoord(1)) is not None:
+                facts.second(len(np.array(mesh.points)), np.array(pairs), corners)
             if 0 <= mesh.material_id < len(materials):
                 material = materials[mesh.material_id]
                 surface = material.preview_surface or {}
@@ -189,6 +200,8 @@ def usd(path):
         facts.mesh(mesh.GetPointsAttr().Get(), sum(n - 2 for n in mesh.GetFaceVertexCountsAttr().Get()), matrix)
         facts.attributes |= {each.GetPrimvarName() for each in UsdGeom.PrimvarsAPI(prim).GetPrimvars()}
         bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
+        if (st1 := UsdGeom.PrimvarsAPI(prim).GetPrimvar("st1")) and st1.GetInterpolation() == "vertex":
+            facts.second(len(mesh.GetPointsAttr().Get()), st1.ComputeFlattened(), mesh.GetFaceVertexIndicesAttr().Get())
         if bound:
             facts.told["materials"][bound.GetPrim().GetName()] = {**surface(bound.GetPrim()), "two": mesh.GetDoubleSidedAttr().Get()}
         if prim.HasAPI(UsdSkel.BindingAPI):

@@ -21,7 +21,7 @@ const io = new NodeIO().registerExtensions(ALL_EXTENSIONS)
 function facts(document) {
   const root = document.getRoot();
   const scene = root.getDefaultScene() ?? root.listScenes()[0];
-  const told = { triangles: 0, lines: 0, morphs: 0, instances: 0, nodes: [], bodies: 0, cameras: 0, lights: 0, materials: {} };
+  const told = { triangles: 0, lines: 0, morphs: 0, instances: 0, nodes: [], bodies: 0, cameras: 0, lights: 0, materials: {}, second: [] };
   const attributes = new Set();
   const low = [Infinity, Infinity, Infinity];
   const high = [-Infinity, -Infinity, -Infinity];
@@ -46,6 +46,11 @@ function facts(document) {
       if (part.getMode() !== 4) { told.lines += 1; continue; }
       told.triangles += (part.getIndices() ?? points).getCount() / 3 * times;
       told.morphs = Math.max(told.morphs, part.listTargets().length);
+      const second = part.getAttribute('TEXCOORD_1');
+      if (second) {
+        const pairs = Array.from({ length: second.getCount() }, (_, i) => second.getElement(i, []));
+        told.second.push({ vertices: points.getCount(), pairs, corners: [...(part.getIndices()?.getArray() ?? pairs.keys())] });
+      }
       part.listSemantics().forEach((name) => attributes.add(name));
       for (let k = 0; k < times; k += 1) {
         for (let i = 0; i < points.getCount(); i += 1) {
