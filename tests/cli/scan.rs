@@ -142,7 +142,7 @@ fn files_say_where_a_scanned_tree_stands_in_its_country() {
     let foot = [481_000.25, 5_523_000.5, 210.0];
     let places = (0..200_u16).flat_map(|ring| (0..24_u16).map(move |side| (ring, side)));
     let rows = places.map(|(ring, side)| {
-        let (sin, cos) = (f64::from(side) / 24.0 * std::f64::consts::TAU).sin_cos();
+        let (sin, cos) = libm::sincos(f64::from(side) / 24.0 * std::f64::consts::TAU);
         let z = foot[2] + 0.02 * f64::from(ring);
         format!("{:.4} {:.4} {z:.4}\n", foot[0] + 0.15 * cos, foot[1] + 0.15 * sin)
     });

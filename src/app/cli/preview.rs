@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
+use linden::Skeleton;
 use linden::grow::Colonized;
 use linden::picture::Picture;
 use linden_raster::{Background, Camera, Paint, Size, Style};
@@ -183,16 +184,8 @@ impl Preview {
         let say = &mut |notes: &[String]| super::notes(notes, &progress);
         let sitter = Sitter::new(&source.recipe, &grown, look, self.lod, say, &progress);
         let sitter = sitter.with_context(|| source.shown.clone())?;
-        let sitter = match self.slice {
-            Some((height_m, thickness_m)) => sitter.cut(height_m, thickness_m),
-            None => sitter,
-        };
+        let sitter = self.sliced(sitter, &grown.skeleton, &progress);
         let portrait = sitter.portrait();
-        if let Some(slice) = portrait.slice
-            && slice.cuts(&grown.skeleton).is_empty()
-        {
-            super::notes(&["--slice: no wood is cut there".into()], &progress);
-        }
         // A cut has no broad side.
         let yaw_deg = self.yaw.or(self.slice.map(|_| 0.0));
         let camera = portrait.camera(yaw_deg, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
@@ -231,6 +224,16 @@ impl Preview {
 }
 
 impl Preview {
+    /// A tree that is drawn, cut where that was asked for; says so where there is nothing to cut.
+    fn sliced<'a>(&self, sitter: Sitter<'a>, skeleton: &Skeleton, progress: &Progress) -> Sitter<'a> {
+        let Some((height_m, thickness_m)) = self.slice else { return sitter };
+        let sitter = sitter.cut(height_m, thickness_m);
+        if sitter.portrait().slice.is_some_and(|slice| slice.cuts(skeleton).is_empty()) {
+            super::notes(&["--slice: no wood is cut there".into()], progress);
+        }
+        sitter
+    }
+
     /// Shows a picture in the terminal, as pixels or as characters.
     fn show(
         &self,

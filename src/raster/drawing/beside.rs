@@ -97,7 +97,9 @@ fn points(
         for part in places.chunks(CHECK_EVERY) {
             monitor.check()?;
             drawing.shape(Kind::Rings, color, 0.85, |drawing| {
-                part.iter().for_each(|&at| disc(drawing, Place { at, half }));
+                for &at in part {
+                    disc(drawing, Place { at, half });
+                }
             });
         }
     }
