@@ -30,6 +30,8 @@ pub fn gaps(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resu
     let to_axis: Vec<f64> = nearest.iter().map(|n| n.distance_m).collect();
     let to_surface: Vec<f64> = nearest.iter().map(|n| (n.distance_m - radius_m(n.node, n.t)).abs()).collect();
     let of_points_m = to_surface.iter().map(|&gap| gap as f32).collect();
+    // Large, and not needed any more.
+    drop(nearest);
 
     monitor.check()?;
     let scanned: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();

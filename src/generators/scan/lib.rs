@@ -267,11 +267,19 @@ pub fn prepare_distinct(
     if cubes.means.len() < LEAST_POINTS {
         return Err(ScanError::TooFew { distinct: cubes.means.len() });
     }
+    let thinned = cubes.means.clone();
+    let tells_leaves = match rule.leaf_points {
+        LeafPoints::Auto => is_leaf.is_some(),
+        LeafPoints::Paths => true,
+        LeafPoints::None => false,
+    };
+    // Which points are in which cube takes memory, and is for leaves alone.
+    let cubes = tells_leaves.then_some(cubes);
     let mut trunks = Vec::new();
     for foot in &feet {
         trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));
     }
-    let graph = Graph::new(cubes.means.clone(), REACH * detail_m, monitor)?;
+    let graph = Graph::new(thinned, REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
     let nearest: Vec<Option<DVec3>> = feet
         .iter()
@@ -292,17 +300,18 @@ pub fn prepare_distinct(
         along.map(|(_, along_m)| along_m).or_else(|| feet.iter().zip(&nearest).find_map(height))
     };
     let mut ways = graph.ways(start, &[], monitor)?;
-    let found = match (&is_leaf, rule.leaf_points) {
-        (Some(is_leaf), LeafPoints::Auto) => Some(cubes.most(&graph.points, is_leaf)),
-        (_, LeafPoints::Paths) => Some(leaves::told(&graph, &ways, foot, &trunks, detail_m, monitor)?),
-        (None, LeafPoints::Auto) | (_, LeafPoints::None) => None,
-    };
-    let leaf_nodes = found.unwrap_or_default();
     let scanned = bark.len();
-    if !leaf_nodes.is_empty() {
+    let mut leaf_nodes = Vec::new();
+    if let Some(cubes) = cubes {
         match is_leaf.filter(|_| rule.leaf_points == LeafPoints::Auto) {
-            Some(is_leaf) => retain_unmarked(&mut bark, &is_leaf),
-            None => cubes.keep_wood(&mut bark, &graph.points, &leaf_nodes),
+            Some(is_leaf) => {
+                leaf_nodes = cubes.most(&graph.points, &is_leaf);
+                retain_unmarked(&mut bark, &is_leaf);
+            }
+            None => {
+                leaf_nodes = leaves::told(&graph, &ways, foot, &trunks, detail_m, monitor)?;
+                cubes.keep_wood(&mut bark, &graph.points, &leaf_nodes);
+            }
         }
         ways = graph.ways(start, &leaf_nodes, monitor)?;
     }
