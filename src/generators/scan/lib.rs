@@ -268,13 +268,8 @@ pub fn prepare_distinct(
         return Err(ScanError::TooFew { distinct: cubes.means.len() });
     }
     let thinned = cubes.means.clone();
-    let tells_leaves = match rule.leaf_points {
-        LeafPoints::Auto => is_leaf.is_some(),
-        LeafPoints::Paths => true,
-        LeafPoints::None => false,
-    };
     // Which points are in which cube takes memory, and is for leaves alone.
-    let cubes = tells_leaves.then_some(cubes);
+    let cubes = rule.leaf_points.are_told(is_leaf.is_some()).then_some(cubes);
     let mut trunks = Vec::new();
     for foot in &feet {
         trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));

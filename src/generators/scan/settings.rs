@@ -37,6 +37,17 @@ words! {
     }
 }
 
+impl LeafPoints {
+    /// Whether points on leaves are told from the others, in a file that has a column for it or none.
+    pub(crate) fn are_told(self, has_column: bool) -> bool {
+        match self {
+            Self::Auto => has_column,
+            Self::Paths => true,
+            Self::None => false,
+        }
+    }
+}
+
 /// Given points, and how a tree grows into them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScanSettings {
