@@ -25,11 +25,10 @@ mod wind;
 use std::borrow::Cow;
 use std::io;
 
-use linden_pipeline::memory::bytes_of;
+use linden_pipeline::Monitor;
 use linden_pipeline::picture::PictureFormat;
 use linden_pipeline::scene::{Translucency, Wrap};
 use linden_pipeline::stage::Stage;
-use linden_pipeline::{Monitor, Vec2};
 use serde_json::value::RawValue;
 
 pub(crate) use self::byte_sink::Base64;
@@ -253,8 +252,10 @@ fn pictures<'a>(
 fn own_bytes(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> u64 {
     let tangents =
         if pictures.is_empty() { 0 } else { memory::largest(distinct, memory::per_vertex::<[f32; 4]>) };
-    let sets = distinct.parts().flat_map(|piece| &piece.lightmap).map(|set| bytes_of::<Vec2>(set.len()));
-    tangents + sets.sum::<u64>() + 2 * instances::bytes(distinct) + pictures::rounding_bytes(pictures)
+    tangents
+        + lightmap::held_bytes(distinct)
+        + 2 * instances::bytes(distinct)
+        + pictures::rounding_bytes(pictures)
 }
 
 /// How the embedded buffer's URI begins.

@@ -548,6 +548,7 @@ fn own_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
         bones::of(&pieces).map_or(0, frames)
     };
     memory::largest(distinct, indexed)
+        + lightmap::held_bytes(distinct)
         + memory::formatting(distinct)
         + 2 * instances::bytes(distinct)
         + bones::TURN_BYTES * (0..distinct.plants()).map(turns).max().unwrap_or(0)

@@ -88,6 +88,11 @@ pub(crate) fn unwrap(
     Ok(())
 }
 
+/// Bytes that the sets take, once they are there.
+pub(crate) fn held_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
+    distinct.parts().flat_map(|part| &part.lightmap).map(|set| bytes_of::<Vec2>(set.len())).sum()
+}
+
 /// Bytes that the sets take, and making them.
 fn bytes(distinct: &DistinctMeshes<'_>) -> u64 {
     distinct

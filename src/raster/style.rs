@@ -244,6 +244,12 @@ impl Style<'_> {
         }
     }
 
+    /// The same for a skeleton: wood, where it has nothing that the colour could show.
+    pub(crate) fn suited(&self, skeleton: &Skeleton) -> Self {
+        let paint = if self.paint.hindrance(skeleton).is_some() { Paint::Wood } else { self.paint };
+        Self { paint, ..*self }
+    }
+
     /// The linear colour of each dot.
     pub(crate) fn point_colors(&self) -> impl Fn(usize) -> Vec3 + use<'_> {
         let plain = linear(self.point);

@@ -456,9 +456,6 @@ pub type Barred = Box<dyn Fn(Vec3) -> bool + Send + Sync>;
 
 /// Measurements of a real tree, where the tree of a generator stands.
 pub trait Measured: Send + Sync {
-    /// How many points were measured.
-    fn count(&self) -> usize;
-
     /// How many points beside them were taken for leaves, and measure nothing.
     fn leaf_points(&self) -> usize {
         0

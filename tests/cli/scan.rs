@@ -124,7 +124,8 @@ fn a_scan_is_looked_at_in_slices_with_its_points_and_by_how_sure_its_radii_are()
     assert!(!said.contains("--color changes nothing"), "{said}");
     let (by_distance, _) = draw("scan.ply", &["--color", "distance", "--points"]);
     assert!(by_source != by_distance);
-    let (_, said) = draw("simple", &["--set=points=60", "--color", "source"]);
+    let (drawn, said) = draw("simple", &["--set=points=60", "--color", "source"]);
+    assert!(drawn == draw("simple", &["--set=points=60", "--look", "skeleton"]).0);
     assert!(said.contains("--color changes nothing: it is for trees whose radii were measured"), "{said}");
     let svg = folder.run(&["preview", "scan.ply", "--slice", "1.3", "-o", "cut.svg"]);
     assert_eq!(svg.code, Some(0), "{}", svg.err);

@@ -102,7 +102,7 @@ pub struct Preview {
 
     /// Show a level cut at this height above the foot, from above, with the points of a scan this near to it
     /// (0.1 m when not said)
-    #[arg(long, value_name = "M[,THICK]", value_parser = slice, conflicts_with_all = ["lod", "eye", "pitch", "outline", "person"])]
+    #[arg(long, value_name = "M[,THICK]", value_parser = slice, conflicts_with_all = ["lod", "eye", "pitch", "outline", "person", "look", "fog", "alone"])]
     slice: Option<(f32, f32)>,
 
     /// Show the crown's outline

@@ -124,10 +124,7 @@ impl Painter {
             Subject::Forest(forest) => return stand(forest, request, base, size, watcher),
             Subject::Word(word) => return written(word, request, base, size, watcher),
         };
-        let scan = shown.grown.colonized.as_ref().and_then(|colonized| colonized.scan.as_ref());
         let points = points(request, shown);
-        let gaps_m = scan.map_or(&[][..], |scan| &scan.gaps_m).iter().step_by(points.stride);
-        let gaps_m: Vec<f32> = gaps_m.copied().collect();
         let (marked, bare) = request.marked();
         let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
         let style = Style {
@@ -135,7 +132,7 @@ impl Painter {
             handles: request.handles(),
             paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
             points: &points.places,
-            point_gaps_m: &gaps_m,
+            point_gaps_m: &points.gaps_m,
             outline: if request.outline { &shown.outline[..] } else { &[] },
             obstructions: if request.obstructions { &shown.obstructions[..] } else { &[] },
             person: request.person,
@@ -257,8 +254,13 @@ fn told(slice: Slice, shown: &ShownTree) -> String {
 /// Points that are shown of a tree.
 struct ShownPoints<'a> {
     places: Cow<'a, [Vec3]>,
-    /// Every one of so many is.
-    stride: usize,
+    /// How far each is from the bark, metres; nothing where that is not known.
+    gaps_m: Cow<'a, [f32]>,
+}
+
+/// Every one of so many.
+fn thinned<T: Copy>(all: &[T], stride: usize) -> Cow<'_, [T]> {
+    if stride == 1 { Cow::Borrowed(all) } else { all.iter().step_by(stride).copied().collect() }
 }
 
 /// The points that a request shows: of a scan not more than can be told apart, unless it is cut.
@@ -272,8 +274,9 @@ fn points<'a>(request: &DrawRequest, shown: &'a ShownTree) -> ShownPoints<'a> {
         Detail::Full => FULL_POINTS,
     };
     let stride = all.len().div_ceil(most).max(1);
-    let places = if stride == 1 { Cow::Borrowed(all) } else { all.iter().step_by(stride).copied().collect() };
-    ShownPoints { places, stride }
+    let scan = colonized.and_then(|colonized| colonized.scan.as_ref()).filter(|_| !all.is_empty());
+    let gaps_m = scan.map_or(&[][..], |scan| &scan.gaps_m);
+    ShownPoints { places: thinned(all, stride), gaps_m: thinned(gaps_m, stride) }
 }
 
 /// Points of a scan that a draft and a full picture show: more would hide each other.

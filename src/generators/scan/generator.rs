@@ -314,10 +314,6 @@ struct Bark {
 }
 
 impl Measured for Bark {
-    fn count(&self) -> usize {
-        self.points.len()
-    }
-
     fn leaf_points(&self) -> usize {
         self.leaf_points
     }

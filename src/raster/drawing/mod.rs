@@ -111,6 +111,7 @@ impl Drawing {
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
         monitor.check()?;
+        let style = &style.suited(skeleton);
         let Framing { framed, view, .. } = Framing::new(skeleton, camera, style, size)?;
         let ledger = Ledger::new(monitor);
         ledger.take(picture_bytes(size))?;

@@ -104,6 +104,7 @@ impl Drawing {
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
         monitor.check()?;
+        let style = &style.suited(skeleton);
         check(skeleton)?;
         let ledger = Ledger::new(monitor);
         ledger.take(picture_bytes(size))?;

@@ -41,6 +41,7 @@ pub fn draw_skeleton(
     monitor: &dyn Monitor,
 ) -> Result<Picture, RasterError> {
     monitor.check()?;
+    let style = &style.suited(skeleton);
     let Framing { tree_extent, foot, framed, view } = Framing::new(skeleton, camera, style, size)?;
     let ledger = Ledger::new(monitor);
     let held = overlay::bytes(style) + trace::bytes(skeleton, style) + Cells::bytes();

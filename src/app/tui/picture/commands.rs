@@ -86,6 +86,7 @@ fn next_level(model: &mut Model) {
     model.picture.level = Some(next).filter(|next| *next < levels(model));
     if model.picture.level.is_some() {
         (model.picture.look, model.picture.is_look_chosen) = (PictureLook::Surface, true);
+        model.picture.slice_m = None;
         model.growth.stop();
         model.wind.stop();
     } else {
@@ -118,7 +119,7 @@ fn toggle_slice(model: &mut Model) {
     let first_m = if height_m > BREAST_M { BREAST_M } else { height_m / 2.0 };
     let picture = &mut model.picture;
     picture.slice_m = if picture.slice_m.is_some() { None } else { Some(first_m) };
-    (picture.camera.zoom, picture.camera.pan) = (1.0, Vec2::ZERO);
+    (picture.camera.zoom, picture.camera.pan, picture.level) = (1.0, Vec2::ZERO, None);
     if picture.slice_m.is_none() {
         model.say("the whole tree again");
     }

@@ -95,7 +95,7 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
-    (picture.drag, picture.level, picture.frozen) = (None, None, None);
+    (picture.drag, picture.level, picture.frozen, picture.slice_m) = (None, None, None, None);
     if picture.keeps_camera {
         return;
     }
@@ -118,8 +118,9 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     let shown = model.tree.as_ref()?.shown.as_ref()?;
     let picture = &model.picture;
     let marks = wood::marks(model, shown).or_else(|| crown::marks(model));
-    // What is pointed at is somewhere else.
-    let slice = picture.slice_m.filter(|_| marks.is_none()).map(|height_m| shown.slice(height_m));
+    // What is pointed at is somewhere else, and what grows or sways is seen whole.
+    let is_still = model.growth.step().is_none() && model.wind.frame().is_none();
+    let slice = picture.slice_m.filter(|_| marks.is_none() && is_still).map(|height_m| shown.slice(height_m));
     let person = picture.scale && model.config.settings.person && slice.is_none();
     Some(DrawRequest {
         subject: Subject::Tree(Arc::clone(shown)),
