@@ -190,10 +190,12 @@ impl GrowthSettings {
             "where the tree stands; auto: below the crown, at the foot of a scan",
             root,
             details(
-                "Given in the coordinates of the input. An envelope of several shells that stand apart is a \
-                 grove, a tree in each; with a root it is the crown of one tree. A place that is given \
-                 stays the foot of the tree whatever origin says, which only decides where the finished \
-                 tree is moved to."
+                "Given in the coordinates of the input. auto stands below the middle of an envelope, or \
+                 where its body is lowest if there is none over the middle, as over that of a ring; on \
+                 the ground y = 0 if the envelope hangs over it by no more than its height. An envelope of \
+                 several shells that stand apart is a grove, a tree in each; with a root it is the crown \
+                 of one tree. A place that is given stays the foot of the tree whatever origin says, which \
+                 only decides where the finished tree is moved to."
             ),
             see_also(&["origin", "up", "trunk"])
         ),
@@ -207,8 +209,9 @@ impl GrowthSettings {
                 "How far the stem rises straight up before growth begins. It carries a crown shape, too: \
                  the crown's base stands on top of it unless crown_base says otherwise. 0 lets branches \
                  leave the ground, as of a shrub. auto walks up until the first point is within influence; \
-                 a crown shape then stands a quarter of its height above the ground. A crown beyond reach \
-                 of the trunk is refused."
+                 a crown shape then stands a quarter of its height above the ground, and in an envelope \
+                 that is hollow below, or on legs, the trunk rises to the body over it. A crown beyond \
+                 reach of the trunk is refused."
             ),
             see_also(&["crown_base", "influence", "root"])
         ),

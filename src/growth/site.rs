@@ -81,7 +81,7 @@ pub struct Barrier {
     pub meet: Meet,
 }
 
-/// Distances that suit some points.
+/// What suits some points.
 pub struct Suggested {
     /// Length of a segment, metres.
     pub step_m: f64,
@@ -89,6 +89,8 @@ pub struct Suggested {
     pub kill: Length,
     /// The influence distance.
     pub influence: Length,
+    /// Height of the first tree's bare trunk, metres; `None`: until the first point is in reach.
+    pub trunk_m: Option<f64>,
 }
 
 impl Suggested {
@@ -98,6 +100,7 @@ impl Suggested {
             step_m: spacing_m / STEPS_PER_SPACING,
             kill: Length::Steps(KILL_STEPS),
             influence: Length::Steps(INFLUENCE_STEPS),
+            trunk_m: None,
         }
     }
 }

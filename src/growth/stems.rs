@@ -48,7 +48,7 @@ pub(super) fn start(
             )?)
         }
     };
-    let mut all = grow(site.root, settings.trunk_m, site.grove.first.as_deref())?;
+    let mut all = grow(site.root, settings.trunk_m.or(site.suggested.trunk_m), site.grove.first.as_deref())?;
     for Stem { root, trunk_m, crown } in &site.grove.others {
         let Branching { positions, parents, births, .. } = grow(*root, *trunk_m, crown.as_deref())?;
         let before = all.positions.len() as u32;

@@ -232,7 +232,8 @@ fn shells_that_stand_apart_are_told_from_crowns_of_several_balls() {
     // In order of the file, each with the middle of its underside and its volume.
     let shells = envelope(&apart).shells(&Quiet).unwrap();
     for (shell, x) in shells.iter().zip([-2.5, 2.5]) {
-        assert!((shell.foot() - DVec3::X * x).length() < 0.02, "{}", shell.foot());
+        let below = shell.entry(&Quiet).unwrap().below;
+        assert!((below - DVec3::X * x).length() < 0.02, "{below}");
         assert!((shell.volume_m3() / (4.0 / 3.0 * PI * 8.0) - 1.0).abs() < 0.03);
         assert!(shell.contains(DVec3::new(x, 2.0, 0.0)) && !shell.contains(DVec3::new(-x, 2.0, 0.0)));
     }

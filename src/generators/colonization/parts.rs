@@ -127,17 +127,8 @@ impl Standing {
             self.as_one_crown();
         }
         let trees_of_shells = self.trees() - 1;
-        let Self {
-            crown,
-            lift,
-            root: foot,
-            foot: base,
-            origin,
-            mut grove,
-            mut obstacles,
-            mut shades,
-            mut notes,
-        } = self;
+        let Self { crown, lift, root: foot, origin, mut grove, mut obstacles, mut shades, mut notes, .. } =
+            self;
         let first = Piece {
             operation: Operation::Add,
             crown: Box::new(PlacedCrown::new(crown, DVec3::Y * lift, 0.0, 1.0)),
@@ -189,7 +180,7 @@ impl Standing {
             grove.others.extend(trees.iter().zip(&crowns).skip(1).map(other));
         }
         let crown = together(crowns, monitor)?;
-        Ok(Self { crown, lift: 0.0, root: foot, foot: base, origin, grove, obstacles, shades, notes })
+        Ok(Self { crown, lift: 0.0, grove, obstacles, shades, notes, ..self })
     }
 }
 

@@ -123,6 +123,7 @@ pub(crate) fn at_points(
                 step_m: scan.step_m,
                 kill: Length::Metres(scan.kill_m),
                 influence: Length::Metres(scan.influence_m),
+                trunk_m: None,
             },
             moves_to_root: true,
             notes,

@@ -106,7 +106,7 @@ pub struct Preset {
 #[non_exhaustive]
 pub enum KnobError {
     /// No preset has such a knob.
-    #[error("there is no knob '{name}'{}; '{preset}' has: {}", Meant(.nearest.as_deref()), .known.join(", "))]
+    #[error("there is no knob '{name}'{}; 'linden show' lists the {} of '{preset}'", Meant(.nearest.as_deref()), .known.len())]
     Unknown {
         /// What was typed, printable.
         name: String,
@@ -118,7 +118,7 @@ pub enum KnobError {
         known: Vec<&'static str>,
     },
     /// Other presets have it, this one does not.
-    #[error("'{preset}' has no knob '{name}' ({help}); it has: {}", .known.join(", "))]
+    #[error("'{preset}' has no knob '{name}' ({help}); 'linden show' lists the {} that it has", .known.len())]
     NotHere {
         /// The knob.
         name: &'static str,

@@ -10,6 +10,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::entry::{Entry, entry};
 use super::shells::{Shell, shells};
 use super::skin::Skin;
 use super::topology::Surface;
@@ -184,6 +185,15 @@ impl Envelope {
     /// [`Cancelled`].
     pub fn shells(&self, monitor: &dyn Monitor) -> Result<Vec<Shell>, Cancelled> {
         if self.surface.components > 1 { shells(&self.surface, monitor) } else { Ok(Vec::new()) }
+    }
+
+    /// Where a trunk enters it.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn entry(&self, monitor: &dyn Monitor) -> Result<Entry, Cancelled> {
+        let Bounds { min, max } = self.bounds;
+        entry([min.as_dvec3(), max.as_dvec3()], DVec3::ZERO, |p| self.contains(p), monitor)
     }
 
     /// Where the crown's origin lies in the mesh's own coordinates.

@@ -16,6 +16,7 @@ pub mod cone;
 pub mod cylinder;
 pub mod dome;
 pub mod ellipsoid;
+pub mod entry;
 pub mod envelope;
 pub mod favor;
 pub mod lathe;

@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 use super::Crown;
+use super::entry::{Entry, entry};
 use super::topology::Surface;
 use super::winding::WindingTree;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -26,9 +27,14 @@ impl Shell {
         p.cmpge(self.low).all() && p.cmple(self.high).all() && self.tree.winding(p).abs() >= 0.5
     }
 
-    /// The middle of the underside of its box.
-    pub fn foot(&self) -> DVec3 {
-        DVec3::new(0.5 * (self.low.x + self.high.x), self.low.y, 0.5 * (self.low.z + self.high.z))
+    /// Where its trunk enters it.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn entry(&self, monitor: &dyn Monitor) -> Result<Entry, Cancelled> {
+        let middle =
+            DVec3::new(0.5 * (self.low.x + self.high.x), self.low.y, 0.5 * (self.low.z + self.high.z));
+        entry([self.low, self.high], middle, |p| self.contains(p), monitor)
     }
 
     /// From its lowest point to its highest.
