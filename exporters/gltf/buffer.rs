@@ -26,6 +26,8 @@ pub(super) struct Layout {
     pub accessors: Vec<Accessor>,
     /// As many as [`DistinctMeshes::parts`].
     pub primitives: Vec<PrimitiveArrays>,
+    /// By primitive: the first that has the same arrays, where they lie.
+    firsts: Vec<usize>,
     /// Where vertices are in fewer bits.
     pub quanta: Option<Quanta>,
     /// By view: what it consists of.
@@ -37,6 +39,7 @@ pub(super) struct Layout {
 }
 
 /// Accessors of a mesh.
+#[derive(Clone)]
 pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
@@ -102,6 +105,7 @@ impl Layout {
             views: Vec::new(),
             accessors: Vec::new(),
             primitives: Vec::new(),
+            firsts: distinct.first_of_year(),
             quanta: quantize.then(|| Quanta::new(distinct, pictures)),
             items: Vec::new(),
             blobs: Vec::new(),
@@ -115,6 +119,11 @@ impl Layout {
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
         for ((piece, plant), motions) in distinct.parts().zip(plants).zip(wind::motions(stage, distinct)) {
+            let earlier = layout.firsts[layout.primitives.len()];
+            if let Some(same) = layout.primitives.get(earlier) {
+                layout.primitives.push(same.clone());
+                continue;
+            }
             let MeshPart { mesh, bounds, material, wind, lightmap, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
@@ -422,7 +431,10 @@ impl Layout {
         if let Some(packed) = &self.packed {
             return packed.write(out);
         }
-        for (piece, primitive) in distinct.parts().zip(&self.primitives) {
+        for (index, (piece, primitive)) in distinct.parts().zip(&self.primitives).enumerate() {
+            if self.firsts[index] != index {
+                continue;
+            }
             match primitive.packing {
                 Some((cube, range)) => {
                     quantize::write(&piece.mesh, cube, range, primitive.with_tangents, out)?;

@@ -255,6 +255,9 @@ pub(super) struct Extras {
     /// the units of the stored positions.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_wind_cube: Option<[f32; 4]>,
+    /// Which season the node shows, where there are several to choose from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_season: Option<String>,
     /// With which options there are shapes for physics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_collision: Option<String>,
@@ -269,6 +272,7 @@ impl Extras {
             && self.linden_setting.is_none()
             && self.linden_collision.is_none()
             && self.linden_wind_cube.is_none()
+            && self.linden_season.is_none()
     }
 }
 

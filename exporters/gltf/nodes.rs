@@ -217,8 +217,9 @@ impl Graph<'_> {
         for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
             for index in 0..self.distinct.seasons(plant) * levels {
-                let model = &self.distinct.models[self.first_model(plant) + index];
-                let suffix = suffix(index % levels, levels);
+                let model = &self.distinct.models[self.distinct.model(plant, 0, 0) + index];
+                let in_season = self.season(plant, index / levels).map(|season| format!("_{season}"));
+                let suffix = in_season.unwrap_or_default() + &suffix(index % levels, levels);
                 // All parts of a plant have the same.
                 let mut linden_wind_cube = None;
                 let primitives = model.parts.iter().zip(&mut arrays).map(|(piece, arrays)| {
@@ -262,47 +263,62 @@ impl Graph<'_> {
                 return vec![self.rigs[0].first];
             }
             if self.distinct.levels(0) == 1 {
-                return self.parts(0, 0);
+                return self
+                    .in_seasons(0, |graph, season| graph.parts(0, graph.distinct.model(0, season, 0)));
             }
-            return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
+            let (place, name) = (&stage.places[0], &stage.plants[0].name);
+            return self
+                .in_seasons(0, |graph, season| vec![graph.levels(place, name, season, Self::assembly)]);
         }
         let numbered = (1..).zip(&stage.places);
         numbered
-            .map(|(number, place)| {
+            .flat_map(|(number, place)| {
                 let name = format!("{}_{number}", stage.plants[place.plant].name);
                 if let (Some(bones), Some(bind)) = (self.bones[place.plant], self.binds[place.plant]) {
                     let first = self.rig(place, bones, bind, &name);
                     let node = Node { name, children: vec![first], ..Node::default() };
-                    return self.push(placed(place, None, node));
+                    return vec![self.push(placed(place, None, node))];
                 }
-                self.levels(place, &name, Self::shared)
+                let plant = place.plant;
+                self.in_seasons(plant, |graph, season| vec![graph.levels(place, &name, season, Self::shared)])
             })
             .collect()
     }
 
+    /// The name of a plant's season, where it has several.
+    fn season(&self, plant: usize, season: usize) -> Option<&str> {
+        let seasons = &self.stage.plants[plant].seasons;
+        (seasons.len() > 1).then(|| seasons[season].name.as_str())
+    }
+
+    /// The nodes of each season of a plant, which say so where there are several.
+    fn in_seasons(
+        &mut self,
+        plant: usize,
+        mut make: impl FnMut(&mut Self, usize) -> Vec<usize>,
+    ) -> Vec<usize> {
+        let mut all = Vec::new();
+        for season in 0..self.distinct.seasons(plant) {
+            let made = make(self, season);
+            let name = self.season(plant, season).map(str::to_owned);
+            for &node in &made {
+                self.nodes[node].extras.linden_season.clone_from(&name);
+            }
+            all.extend(made);
+        }
+        all
+    }
+
     /// The joints of a tree and, as roots of the scene, its meshes; gives the joint that all others hang on.
     fn rig(&mut self, place: &Place, bones: &Bones, bind: usize, name: &str) -> usize {
-        let model = &self.distinct.models[self.first_model(place.plant)];
+        let model = &self.distinct.models[self.distinct.model(place.plant, 0, 0)];
         let rig = Rig::add(place.plant, bones, |joint| model.full_name(joint), &mut self.nodes);
         let first = rig.first;
         self.skins.push(rig.skin(bones, name.to_owned(), bind));
         self.rigs.push(rig);
         let before = self.nodes.len();
-        let levels = self.distinct.levels(place.plant);
-        if is_parted(self.stage, self.distinct) {
-            let parts = self.parts(0, 0);
-            self.skinned.extend(parts);
-        } else {
-            // Of a level's node with one mesh none is below another.
-            let finest = self.levels(place, name, Self::shared);
-            if self.are_siblings && levels > 1 {
-                let group = self.nodes.pop().unwrap_or_default();
-                self.skinned.extend(group.children);
-                self.nodes[first].extras.screen_coverage = group.extras.screen_coverage;
-            } else {
-                self.skinned.push(finest);
-            }
-        }
+        let skinned = self.in_seasons(place.plant, |graph, season| graph.skinned(place, name, season, first));
+        self.skinned.extend(skinned);
         let skin = Some(self.skins.len() - 1);
         for index in before..self.nodes.len() {
             let Some(mesh) = self.nodes[index].mesh else { continue };
@@ -316,6 +332,21 @@ impl Graph<'_> {
         first
     }
 
+    /// The meshes of a tree with joints in a season; `first` is the joint that all others hang on.
+    fn skinned(&mut self, place: &Place, name: &str, season: usize, first: usize) -> Vec<usize> {
+        if is_parted(self.stage, self.distinct) {
+            return self.parts(0, self.distinct.model(0, season, 0));
+        }
+        // Of a level's node with one mesh none is below another.
+        let finest = self.levels(place, name, season, Self::shared);
+        if !self.are_siblings || self.distinct.levels(place.plant) == 1 {
+            return vec![finest];
+        }
+        let group = self.nodes.pop().unwrap_or_default();
+        self.nodes[first].extras.screen_coverage = group.extras.screen_coverage;
+        group.children
+    }
+
     /// A node for each plant, with all its places.
     fn instances(&mut self, instances: &[Instancing]) -> Vec<usize> {
         let stage = self.stage;
@@ -326,16 +357,15 @@ impl Graph<'_> {
                 continue;
             }
             let first = self.nodes.len();
-            finest.push(self.levels(&Place::origin(plant), &stage_plant.name, Self::instanced));
+            let place = Place::origin(plant);
+            finest.extend(self.in_seasons(plant, |graph, season| {
+                vec![graph.levels(&place, &stage_plant.name, season, Self::instanced)]
+            }));
             for node in self.nodes[first..].iter_mut().filter(|node| node.mesh.is_some()) {
                 node.extensions.instancing = Some(*instancing);
             }
         }
         finest
-    }
-
-    fn first_model(&self, plant: usize) -> usize {
-        self.distinct.model(plant, 0, 0)
     }
 
     fn push(&mut self, node: Node) -> usize {
@@ -386,18 +416,22 @@ impl Graph<'_> {
         self.layout.quanta.as_ref().map(|quanta| quanta.cube(plant))
     }
 
-    /// A place's plant in all its levels; gives the node of the finest, which names the others, or the one that has all
+    /// A place's plant in all levels of a season; gives the node of the finest, which names the others, or the one that has all
     /// below it.
     fn levels(
         &mut self,
         place: &Place,
         name: &str,
+        season: usize,
         make: impl Fn(&mut Self, &Place, usize, String) -> Node,
     ) -> usize {
         let levels = self.distinct.levels(place.plant);
+        let name = &self
+            .season(place.plant, season)
+            .map_or_else(|| name.to_owned(), |season| format!("{name}_{season}"));
         let of_levels: Vec<usize> = (0..levels)
             .map(|level| {
-                let model = self.distinct.model(place.plant, 0, level);
+                let model = self.distinct.model(place.plant, season, level);
                 let node = make(self, place, model, format!("{name}{}", suffix(level, levels)));
                 self.push(node)
             })
@@ -405,7 +439,7 @@ impl Graph<'_> {
         let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
         if self.are_siblings && levels > 1 {
             let extras = Extras { screen_coverage: coverage.collect(), ..Extras::default() };
-            return self.push(Node { name: name.to_owned(), children: of_levels, extras, ..Node::default() });
+            return self.push(Node { name: name.clone(), children: of_levels, extras, ..Node::default() });
         }
         let (finest, others) = (of_levels[0], &of_levels[1..]);
         if !others.is_empty() {

@@ -15,9 +15,7 @@ use crate::gltf::{self, Base64, Binary};
 use crate::markup::escaped;
 use crate::options::{OptionSpec, Options};
 use crate::writing::fit;
-use crate::{
-    Amounts, Bundle, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable, Traces, recipe,
-};
+use crate::{Amounts, Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Traces, recipe};
 
 /// A web page.
 pub(crate) struct Html;
@@ -31,7 +29,7 @@ static FORMAT: Format = Format {
     extensions: &["html", "htm"],
     media_type: "text/html",
     self_contained: true,
-    help: "a page that shows the tree in any browser, offline: turned, in wind, in each level, light or dark",
+    help: "a page that shows the tree in any browser, offline: turned, in wind, in each season and level, light or dark",
     options: &[
         OptionSpec::switch("pictures", true, "with bark pictures; without, one colour"),
         OptionSpec::choice(
@@ -56,7 +54,7 @@ static FORMAT: Format = Format {
             "levels of detail: to choose from in the page; or a page each",
         ),
     ],
-    holds: Holds { setting: false, seasons: LooksIn::Files, translucency: false, ..Holds::SCENE },
+    holds: Holds { setting: false, translucency: false, ..Holds::SCENE },
     encoding: gltf::encoding,
     estimate: Some(estimate),
 };
@@ -70,6 +68,8 @@ fn estimate(amounts: &Amounts, options: &Options) -> u64 {
 
 const RECIPE: &str = "<script type=\"application/json\" id=\"recipe\">";
 const OPTIONS: &str = "<meta name=\"linden-options\" content=\"";
+/// What names the seasons of a page behind its options, where it has several.
+const SEASONS: &str = "seasons";
 
 impl Exporter for Html {
     fn format(&self) -> &'static Format {
@@ -88,7 +88,10 @@ impl Exporter for Html {
         let mut traces = Traces::none(&FORMAT);
         let told = recipe::line_behind(file, OPTIONS)?.unwrap_or_default();
         for (name, value) in told.trim_end_matches("\">").split(' ').filter_map(|word| word.split_once('=')) {
-            traces = traces.with(name, value);
+            match name {
+                SEASONS => traces.seasons = true,
+                _ => traces = traces.with(name, value),
+            }
         }
         Ok(traces)
     }
@@ -103,7 +106,7 @@ impl Exporter for Html {
         let mut stage = fit(stage, &FORMAT, bundle);
         stage.setting = None;
         let (name, recipe) = recipe::of_stage(&stage);
-        let head = head(name, recipe, options);
+        let head = head(name, recipe, options, &stage);
         let tree = Binary::new(&stage, FORMAT.id, options, bundle, monitor)?;
         let foot = foot();
         let bytes = head.len() as u64 + tree.bytes().div_ceil(3) * 4 + foot.len() as u64;
@@ -117,9 +120,13 @@ impl Exporter for Html {
     }
 }
 
-fn head(name: &str, recipe: &str, options: &Options) -> String {
+fn head(name: &str, recipe: &str, options: &Options, stage: &Stage<'_>) -> String {
     let title = escaped(&linden_pipeline::knob::printable(name));
-    let told: Vec<String> = options.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    let mut told: Vec<String> = options.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    if let Some(plant) = stage.plants.iter().find(|plant| plant.seasons.len() > 1) {
+        let names: Vec<&str> = plant.seasons.iter().map(|season| season.name.as_str()).collect();
+        told.push(format!("{SEASONS}={}", escaped(&names.join(","))));
+    }
     // Nothing in a script may look like its end.
     let recipe = recipe.replace('<', "\\u003c");
     format!(

@@ -374,15 +374,8 @@ impl<'a> Component<'a> {
     }
 
     fn is_in_all(&self, piece: &MeshPart<'_>, level: usize) -> bool {
-        (0..self.seasons()).all(|season| {
-            let same = |other: &&MeshPart<'_>| other.name == piece.name && other.material == piece.material;
-            let other = self.model(season, level).parts.iter().find(same);
-            other.is_some_and(|other| {
-                other.is_placed_as(piece)
-                    && (std::ptr::eq(&raw const *other.mesh, &raw const *piece.mesh)
-                        || other.mesh == piece.mesh)
-            })
-        })
+        let is_in = |season| self.model(season, level).parts.iter().any(|other| other.is_same(piece));
+        (0..self.seasons()).all(is_in)
     }
 
     fn model(&self, season: usize, level: usize) -> &'a PlantModel<'a> {

@@ -150,6 +150,14 @@ impl MeshPart<'_> {
             == other.copies.as_ref().map(|copies| &copies.placements)
     }
 
+    /// Whether a reader would see no difference, whatever season each is of.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.name == other.name
+            && self.material == other.material
+            && self.is_placed_as(other)
+            && (std::ptr::eq(&raw const *self.mesh, &raw const *other.mesh) || self.mesh == other.mesh)
+    }
+
     /// The part that it is copies of, if it is.
     pub fn copied_part(&self) -> Option<&str> {
         self.copies.as_ref().map(|copies| copies.part)
@@ -298,6 +306,30 @@ impl<'a> DistinctMeshes<'a> {
     /// All meshes, each once; those of [`DistinctMeshes::surroundings`] come last.
     pub fn parts(&self) -> impl Iterator<Item = &MeshPart<'a>> {
         self.models.iter().flat_map(|model| &model.parts).chain(self.surroundings())
+    }
+
+    /// For each of [`DistinctMeshes::parts`] the first that is the same in another season: itself, but for what does not
+    /// change over the year.
+    pub fn first_of_year(&self) -> Vec<usize> {
+        let counts: Vec<usize> = self.models.iter().map(|model| model.parts.len()).collect();
+        let first_part = |model: usize| counts[..model].iter().sum::<usize>();
+        let mut firsts: Vec<usize> = (0..self.parts().count()).collect();
+        for plant in 0..self.plants() {
+            for (season, level) in
+                (1..self.seasons(plant)).flat_map(|s| (0..self.levels(plant)).map(move |l| (s, l)))
+            {
+                let model = self.model(plant, season, level);
+                for (index, piece) in (first_part(model)..).zip(&self.models[model].parts) {
+                    let found = (0..season).find_map(|season| {
+                        let earlier = self.model(plant, season, level);
+                        let at = self.models[earlier].parts.iter().position(|other| other.is_same(piece))?;
+                        Some(first_part(earlier) + at)
+                    });
+                    firsts[index] = found.unwrap_or(index);
+                }
+            }
+        }
+        firsts
     }
 
     /// What stands round the plants: cover of the ground, ground, sky.

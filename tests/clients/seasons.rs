@@ -1,8 +1,11 @@
 //! One wood with the leaves of each season, before the clients.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD as BASE64;
 use linden::Quiet;
 use linden::dress::{Year, year};
 use linden::grow::grow;
@@ -93,6 +96,66 @@ fn every_season_is_a_variant_with_the_same_wood() {
             fs::remove_file(dir.join(format!("{}.glb", season.0.name))).unwrap();
         }
         run("check.py", &dir);
+    }
+}
+
+/// What each season shows in a GLB: its meshes' names with the positions that they draw, corner by corner.
+type Shown = BTreeMap<String, BTreeMap<String, Vec<[f32; 3]>>>;
+
+/// What the nodes of a GLB show, by the season in their extras or in those above (empty without one), and the accessors
+/// of wood.
+fn shown(glb: &[u8]) -> (Shown, BTreeSet<usize>) {
+    let (document, buffers, _) = gltf::import_slice(glb).unwrap();
+    let (mut all, mut wood) = (Shown::new(), BTreeSet::new());
+    let roots = document.default_scene().unwrap().nodes();
+    let mut open: Vec<(gltf::Node<'_>, String)> = roots.map(|node| (node, String::new())).collect();
+    while let Some((node, above)) = open.pop() {
+        let told = node.extras().as_ref().and_then(|extras| {
+            let extras: serde_json::Value = serde_json::from_str(extras.get()).unwrap();
+            extras["linden_season"].as_str().map(str::to_owned)
+        });
+        let season = told.unwrap_or(above);
+        open.extend(node.children().map(|child| (child, season.clone())));
+        let Some(mesh) = node.mesh() else { continue };
+        let name = mesh.name().unwrap();
+        let name = if season.is_empty() { name.to_owned() } else { name.replace(&format!("_{season}"), "") };
+        for primitive in mesh.primitives() {
+            let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()].0[..]));
+            let places: Vec<[f32; 3]> = reader.read_positions().unwrap().collect();
+            let corners = reader.read_indices().unwrap().into_u32().map(|corner| places[corner as usize]);
+            all.entry(season.clone()).or_default().entry(name.clone()).or_default().extend(corners);
+            if name.contains("_wood") {
+                wood.insert(primitive.get(&gltf::Semantic::Positions).unwrap().index());
+            }
+        }
+    }
+    (all, wood)
+}
+
+#[test]
+fn a_page_shows_each_season_as_its_own_file_does_and_holds_the_wood_once() {
+    for (knobs, levels) in
+        [(&[][..], 1), (&[("lods", "2"), ("lod_ratio", "0.3")], 2), (&[("wind", "bones")], 1)]
+    {
+        let (_, year) = tree(knobs, "summer,autumn,bare");
+        let (stage, dir) = (year.stage(), exported("clients-seasons-page"));
+        let (bare, siblings) = (("pictures", "false"), ("lods", "siblings"));
+        let page = dir.join("tree.html");
+        let options = [bare, siblings, ("quantize", "false"), ("compress", "none")];
+        export_stage(&stage, "html", &options, &page).unwrap();
+        let text = fs::read_to_string(&page).unwrap();
+        assert!(text.contains("seasons=summer,autumn,bare"), "{knobs:?}");
+        let (_, rest) = text.split_once("id=\"tree\">").unwrap();
+        let glb = BASE64.decode(rest.split_once("</script>").unwrap().0).unwrap();
+        let (found, wood) = shown(&glb);
+        assert_eq!(found.len(), 3, "{knobs:?}: {:?}", found.keys());
+        assert_eq!(wood.len(), levels, "{knobs:?}: wood is in it once a level");
+        for (index, (season, _)) in year.seasons.iter().enumerate() {
+            let alone = dir.join(format!("{}.glb", season.name));
+            export_stage(&stage.in_season(index), "glb", &[bare, siblings], &alone).unwrap();
+            let (expected, _) = shown(&fs::read(alone).unwrap());
+            assert!(found[&season.name] == expected[""], "{knobs:?} {}", season.name);
+        }
     }
 }
 

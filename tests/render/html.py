@@ -4,7 +4,7 @@ a preview:
 
     linden export oak -o oak.html --triangles 30000
     linden preview oak -o oak.png --triangles 30000 --background transparent
-    python tests/render/html.py oak.html oak.png [--least 0.8] [--picture SHOT.png]
+    python tests/render/html.py oak.html oak.png [--least 0.8] [--season autumn] [--picture SHOT.png]
 
 Both are cut to what is covered and brought to one size: the pixels that both cover as a share of those that either does. Runs
 in a Python with pillow and numpy; Chromium is `$CHROMIUM`, or the one in the path.
@@ -25,13 +25,13 @@ SIDE = 240
 BARS = {"top": 70, "bottom": 60}
 
 
-def shot(page, path, dark):
+def shot(page, path, dark, season):
     """What Chromium shows of a page."""
     command = [
         os.environ.get("CHROMIUM", "chromium"), "--headless=new", "--no-sandbox", "--hide-scrollbars",
         "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist",
         "--window-size=800,1000", "--virtual-time-budget=60000", f"--screenshot={path}",
-        *(["--blink-settings=preferredColorScheme=0"] if dark else []), page.resolve().as_uri(),
+        *(["--blink-settings=preferredColorScheme=0"] if dark else []), page.resolve().as_uri() + (f"#{season}" if season else ""),
     ]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     if not path.is_file():
@@ -62,13 +62,14 @@ def main():
     parser.add_argument("preview", type=Path)
     parser.add_argument("--least", type=float, default=0.8)
     parser.add_argument("--dark", action="store_true")
+    parser.add_argument("--season", help="the season that the page is opened in")
     parser.add_argument("--picture", type=Path)
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         picture = arguments.picture or Path(folder) / "shot.png"
         # Virtual time does not wait for what is decoded on other threads: on a busy machine the picture may be taken before.
         for _ in range(5):
-            shot(arguments.page, picture, arguments.dark)
+            shot(arguments.page, picture, arguments.dark, arguments.season)
             seen, wide = covered(picture, **BARS)
             if seen is not None:
                 break

@@ -10,11 +10,14 @@ const GROUNDS = { light: 0xe9ecef, dark: 0x15181a };
 const canvas = document.querySelector("canvas");
 const renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
 renderer.toneMapping = THREE.NeutralToneMapping;
+renderer.shadowMap.enabled = true;
 renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
 
 const scene = new THREE.Scene();
 const sky = new THREE.HemisphereLight(0xf4f7ff, 0x8a8272, 2.2);
 const sun = new THREE.DirectionalLight(0xfff2dd, 2.6);
+sun.castShadow = true;
+sun.shadow.mapSize.set(2048, 2048);
 scene.add(sky, sun);
 const camera = new THREE.PerspectiveCamera(35, 1, 0.01, 1000);
 const controls = new OrbitControls(camera, canvas);
@@ -22,7 +25,9 @@ controls.enableDamping = true;
 controls.autoRotateSpeed = 1.2;
 const clock = new THREE.Timer();
 let mixer = null;
-let levels = [];
+/** What is seen at some level of detail, or in some season: [node, level, season], null where it does not matter. */
+const choices = [];
+const chosen = { level: 0, season: null };
 
 /** Bytes of base64 text. */
 function bytes(text) {
@@ -45,6 +50,12 @@ function frame(box) {
   sun.position.copy(middle).add(new THREE.Vector3(0.8, 1.1, 0.9).multiplyScalar(size.length()));
   sun.target.position.copy(middle);
   scene.add(sun.target);
+  const half = 0.55 * size.length();
+  const view = sun.shadow.camera;
+  [view.left, view.right, view.bottom, view.top, view.near, view.far] = [-half, half, -half, half, 0.1 * half, 6 * half];
+  // As far as a leaf is long, so that none is its own shadow.
+  sun.shadow.normalBias = 0.01 * half;
+  sun.shadow.radius = 3;
 }
 
 /** A button of the bar. */
@@ -63,9 +74,48 @@ function setDark(dark) {
   scene.background = new THREE.Color(dark ? GROUNDS.dark : GROUNDS.light);
 }
 
-/** Shows one of the levels of detail: nodes whose names end in _LOD0, _LOD1 and so on. */
-function show(level) {
-  for (const [number, node] of levels.flat()) node.visible = number === level;
+/**
+ * Leaves are lit from both sides. What is cut out covers as many samples of a pixel as its alpha says: a twig on a card is
+ * finer than a pixel, and cut at one alpha it would come apart. From near edges are sharp.
+ */
+function dress(material) {
+  for (const picture of [material.map, material.normalMap]) {
+    if (picture) picture.anisotropy = renderer.capabilities.getMaxAnisotropy();
+  }
+  if (material.side === THREE.DoubleSide) material.shadowSide = THREE.DoubleSide;
+  if (!(material.alphaTest > 0 && material.map)) return;
+  material.alphaToCoverage = true;
+  // Alpha chooses samples, and is not to be seen through.
+  material.blending = THREE.CustomBlending;
+  [material.blendSrc, material.blendDst] = [THREE.OneFactor, THREE.ZeroFactor];
+  [material.blendSrcAlpha, material.blendDstAlpha] = [THREE.ZeroFactor, THREE.OneFactor];
+  material.onBeforeCompile = (shader) => {
+    shader.fragmentShader = shader.fragmentShader.replace(
+      "#include <alphatest_fragment>",
+      `vec2 texels = fwidth(vMapUv * vec2(textureSize(map, 0)));
+      float sharp = clamp((diffuseColor.a - alphaTest) / max(fwidth(diffuseColor.a), 1e-4) + 0.5, 0.0, 1.0);
+      diffuseColor.a = mix(sharp, diffuseColor.a, clamp(max(texels.x, texels.y), 0.0, 1.0));
+      if (diffuseColor.a < 0.05) discard;`,
+    );
+  };
+}
+
+/** Shows what was chosen. */
+function show() {
+  for (const [node, level, season] of choices) {
+    node.visible = (level ?? chosen.level) === chosen.level && (season ?? chosen.season) === chosen.season;
+  }
+}
+
+/** Buttons of which one is pressed: each is [label, value]. */
+function choose(what, title, values) {
+  const buttons = values.map(([label, value]) =>
+    button(label, title, chosen[what] === value, (made) => {
+      chosen[what] = value;
+      show();
+      for (const other of buttons) other.setAttribute("aria-pressed", other === made);
+    }),
+  );
 }
 
 function resize() {
@@ -84,13 +134,21 @@ async function start() {
   const { scene: tree, animations } = await loader.parseAsync(bytes(text), "");
   scene.add(tree);
   tree.traverse((node) => {
+    // Levels end in _LOD0, _LOD1 and so on; seasons are told by the nodes' extras.
     const found = /_LOD(\d+)(_\d+)?$/.exec(node.name);
-    if (found && !node.parent?.name.match(/_LOD\d+$/)) levels.push([[Number(found[1]), node]]);
-    // Leaves are lit from both sides.
-    if (node.isMesh && node.material.side === THREE.DoubleSide) node.material.shadowSide = THREE.DoubleSide;
+    const level = found && !node.parent?.name.match(/_LOD\d+$/) ? Number(found[1]) : null;
+    const season = node.userData.linden_season ?? null;
+    if (level !== null || season !== null) choices.push([node, level, season]);
+    if (!node.isMesh) return;
+    [node.castShadow, node.receiveShadow] = [true, true];
+    dress(node.material);
   });
-  const most = Math.max(0, ...levels.flat().map(([number]) => number));
-  show(0);
+  const most = Math.max(0, ...choices.map(([, level]) => level ?? 0));
+  const seasons = [...new Set(choices.map(([, , season]) => season).filter((season) => season !== null))];
+  // oak.html#autumn opens in autumn.
+  const wanted = [decodeURIComponent(window.location.hash.slice(1)), "summer", seasons[0]];
+  chosen.season = wanted.find((season) => seasons.includes(season)) ?? null;
+  show();
   resize();
   frame(new THREE.Box3().setFromObject(tree));
   button("Dark", "Dark or light", document.documentElement.dataset.theme === "dark", (made) => {
@@ -110,14 +168,9 @@ async function start() {
       made.setAttribute("aria-pressed", mixer.timeScale === 1);
     });
   }
-  for (let level = 0; most > 0 && level <= most; level++) {
-    button(`LOD${level}`, "Level of detail", level === 0, (made) => {
-      show(level);
-      document.querySelectorAll("nav button").forEach((other) => {
-        if (other.textContent.startsWith("LOD")) other.setAttribute("aria-pressed", other === made);
-      });
-    });
-  }
+  choose("season", "Season", seasons.map((season) => [season[0].toUpperCase() + season.slice(1), season]));
+  const levels = Array.from({ length: most > 0 ? most + 1 : 0 }, (_, level) => [`LOD${level}`, level]);
+  choose("level", "Level of detail", levels);
   window.addEventListener("resize", resize);
   renderer.setAnimationLoop(() => {
     clock.update();
