@@ -19,6 +19,7 @@ mod effects;
 mod figures;
 mod forecasts;
 mod forest;
+mod impostor;
 mod interrupt;
 mod jobs;
 mod kills;

@@ -148,6 +148,7 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
             toward,
             corner: Vec2::new(-radius_m, radius_m),
             relief: 1.0,
+            cuts_whole: true,
             scale: samples.x as f32 / (2.0 * radius_m),
             first: Pixels::new(0, 0),
             size: samples,

@@ -71,6 +71,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
             up: Vec3::Y,
             toward: frame.toward,
             relief: 1.0,
+            cuts_whole: false,
             // Where the upper left corner of the cell is, and how many samples a metre has.
             corner: Vec2::new(frame.low.x, frame.high.y),
             scale: SAMPLES as f32 / sheet.texel_m,

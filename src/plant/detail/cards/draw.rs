@@ -138,6 +138,7 @@ pub(super) fn draw<'a>(
                 up,
                 toward,
                 relief: RELIEF,
+                cuts_whole: false,
                 corner: Vec2::new(sight.low.x, sight.high.y),
                 scale: sheet.scale * SAMPLES as f32,
                 first: Pixels::new(0, 0),

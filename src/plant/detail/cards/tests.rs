@@ -73,6 +73,7 @@ fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec
         corner: Vec2::new(low.x, low.y + side as f32 / scale),
         scale,
         relief: 1.0,
+        cuts_whole: false,
         first: Pixels::new(0, 0),
         size: Pixels::new(side, side),
     };

@@ -62,6 +62,9 @@ pub(in crate::detail) struct View {
     pub corner: Vec2,
     /// How much of their tilt normals keep: 1 all, 0 none.
     pub relief: f32,
+    /// Whether what is cut out is looked up in pictures as they are. In halved ones leaves narrower than a texel have an
+    /// alpha below the threshold everywhere, and vanish.
+    pub cuts_whole: bool,
     /// Samples per metre.
     pub scale: f32,
     /// The part's first sample, and how many it has.
@@ -117,7 +120,8 @@ pub(in crate::detail) fn draw(
         // Texels that a sample covers choose how much the picture is halved.
         let texture = texture.map(|texture| {
             let covered = ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * texture.area();
-            texture.halved(covered)
+            let halved = texture.halved(covered);
+            (halved, if view.cuts_whole { texture.whole() } else { halved })
         });
         // Weights of b and c, and how they change from sample to sample.
         let inverse = 1.0 / area;
@@ -141,11 +145,12 @@ pub(in crate::detail) fn draw(
                 }
                 let color = match texture {
                     None => Vec3::from(material.base_color),
-                    Some(texture) => {
-                        let color = texture.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t);
-                        if material.cutout.is_some_and(|least| color.w < least) {
+                    Some((halved, cut)) => {
+                        let uv = uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t;
+                        if material.cutout.is_some_and(|least| cut.at(uv).w < least) {
                             continue;
                         }
+                        let color = halved.at(uv);
                         color.truncate() / color.w.max(1e-3)
                     }
                 };
@@ -218,6 +223,7 @@ mod tests {
             toward: Vec3::Z,
             corner: Vec2::new(0.0, 16.0),
             relief: 1.0,
+            cuts_whole: false,
             scale: 1.0,
             first: Pixels::new(0, 0),
             size: Pixels::new(16, 16),

@@ -44,6 +44,11 @@ impl Texture {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
+    /// As it is, in its full size.
+    pub fn whole(&self) -> Halved<'_> {
+        Halved { level: &self.levels[0], repeats: self.repeats }
+    }
+
     /// As it is looked at where a sample is as large as so many texels (an area).
     pub fn halved(&self, texels: f32) -> Halved<'_> {
         let halved = if texels > 1.0 { (0.5 * libm::log2f(texels)) as usize } else { 0 };
