@@ -10,7 +10,7 @@ use super::document::{Accessor, Attributes, BufferView, ComponentType, Mode};
 use super::meshopt::{Items, Packed, Packer};
 use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
-use super::wind::{self, WindArrays};
+use super::wind::{self, WindArrays, WindAs};
 use crate::ExportError;
 use crate::collision::Solid;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
@@ -36,6 +36,8 @@ pub(super) struct Layout {
     /// All bytes, where they are compressed.
     packed: Option<Packed>,
     bytes: u64,
+    /// How vertices are told the wind.
+    pub wind_as: WindAs,
 }
 
 /// Accessors of a mesh.
@@ -51,6 +53,8 @@ pub(super) struct PrimitiveArrays {
     pub wind: WindArrays,
     /// The cube of packed pivots, where there are some.
     wind_cube: Option<Cube>,
+    /// The plant that it is part of.
+    plant: Option<usize>,
 }
 
 /// The cube of positions, the range of texture coordinates.
@@ -80,7 +84,7 @@ impl PrimitiveArrays {
             texcoord_0: Some(self.first + 2),
             tangent: self.with_tangents.then_some(self.first + 3),
             color_0: self.wind.packed.map(|[motions, ..]| motions),
-            texcoord_1: self.lightmap.or(self.wind.packed.map(|[_, flat, _]| flat)),
+            texcoord_1: self.lightmap.or(self.wind.texels).or(self.wind.packed.map(|[_, flat, _]| flat)),
             texcoord_2: self.wind.packed.map(|[.., high]| high),
             joints_0: self.wind.bindings.map(|[joints, _]| joints),
             weights_0: self.wind.bindings.map(|[_, weights]| weights),
@@ -92,15 +96,15 @@ impl PrimitiveArrays {
 
 impl Layout {
     /// Lays out the meshes' arrays; `pictures` are those that will be written. With `quantize` the plants'
-    /// vertices are in fewer bits, with `pack_wind` what tells how they swing.
+    /// vertices are in fewer bits; `wind_as` is what tells how they swing.
     pub fn of_meshes(
         stage: &Stage<'_>,
         distinct: &DistinctMeshes<'_>,
         pictures: &[NamedPicture<'_>],
         quantize: bool,
-        pack_wind: bool,
+        wind_as: WindAs,
     ) -> Self {
-        let wind_quanta = pack_wind.then(|| Quanta::new(distinct, &[]));
+        let wind_quanta = matches!(wind_as, WindAs::Packed).then(|| Quanta::new(distinct, &[]));
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -111,6 +115,7 @@ impl Layout {
             blobs: Vec::new(),
             packed: None,
             bytes: 0,
+            wind_as,
         };
         let of_plants = (0..distinct.plants()).flat_map(|plant| {
             distinct.models_of(plant).iter().flat_map(|model| &model.parts).map(move |_| plant)
@@ -174,7 +179,7 @@ impl Layout {
             let indices = layout.accessors.len() - 1;
             let quanta = wind_quanta.as_ref();
             let wind_cube = plant.and_then(|plant| quanta.map(|quanta| quanta.cube_of(plant, piece)));
-            let wind = wind.map(|wind| layout.push_wind(mesh, wind, motions, wind_cube.is_some()));
+            let wind = wind.map(|wind| layout.push_wind(mesh, wind, motions, plant));
             let wind = wind.unwrap_or_default();
             layout.primitives.push(PrimitiveArrays {
                 first,
@@ -184,6 +189,7 @@ impl Layout {
                 indices,
                 wind,
                 wind_cube,
+                plant,
             });
         }
         layout
@@ -191,7 +197,13 @@ impl Layout {
 
     /// Lays out a mesh's wind behind its other arrays, with targets for some motions: one that this part
     /// lacks is an accessor without a buffer, which is all zero.
-    fn push_wind(&mut self, mesh: &Mesh, wind: &PartWind, motions: Vec<Motion>, pack: bool) -> WindArrays {
+    fn push_wind(
+        &mut self,
+        mesh: &Mesh,
+        wind: &PartWind,
+        motions: Vec<Motion>,
+        plant: Option<usize>,
+    ) -> WindArrays {
         let count = mesh.positions.len();
         let mut arrays = WindArrays::default();
         if let Some(bones) = &wind.bones {
@@ -201,7 +213,15 @@ impl Layout {
             arrays.bindings = Some([self.accessors.len() - 2, self.accessors.len() - 1]);
             return arrays;
         }
-        if pack {
+        if self.wind_as.pivots(plant, wind).is_some() {
+            // Some readers take 16 bits for floats; who asks for fewer bits has readers that do not.
+            if self.quanta.is_some() {
+                self.push_packed(count, "VEC2", ComponentType::U16, 4);
+            } else {
+                self.push_vertices(count, "VEC2", 8);
+            }
+            arrays.texels = Some(self.accessors.len() - 1);
+        } else if plant.is_some() && matches!(self.wind_as, WindAs::Packed) {
             let first = self.accessors.len();
             self.push_packed(count, "VEC4", ComponentType::U8, 4);
             self.push_packed(count, "VEC2", ComponentType::U16, 4);
@@ -446,7 +466,9 @@ impl Layout {
             }
             write_triangles(&piece.mesh, out)?;
             let cube = primitive.packing.map(|(cube, _)| cube);
-            piece.wind.map_or(Ok(()), |wind| wind::write(wind, cube, primitive.wind_cube, out))?;
+            let Some(wind) = piece.wind else { continue };
+            let pivots = self.wind_as.pivots(primitive.plant, wind);
+            wind::write(wind, cube, primitive.wind_cube, pivots, out)?;
         }
         for blob in &self.blobs {
             out.put(blob)?;

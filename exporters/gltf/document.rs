@@ -6,6 +6,8 @@ use linden_pipeline::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
+use super::pivots::PivotExtras;
+
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs materials for the first one.
 #[derive(Serialize)]
@@ -258,6 +260,9 @@ pub(super) struct Extras {
     /// Which season the node shows, where there are several to choose from.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_season: Option<String>,
+    /// The pictures of pivots that `TEXCOORD_1` names texels of.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_pivot_painter: Option<PivotExtras>,
     /// With which options there are shapes for physics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_collision: Option<String>,
@@ -273,6 +278,7 @@ impl Extras {
             && self.linden_collision.is_none()
             && self.linden_wind_cube.is_none()
             && self.linden_season.is_none()
+            && self.linden_pivot_painter.is_none()
     }
 }
 

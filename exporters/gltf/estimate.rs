@@ -25,6 +25,10 @@ const JPEG_CUT: f64 = 0.88;
 /// What WebP leaves of all pictures: measured at six plants, from 0.85 to 1.03.
 const WEBP_PICTURES: f64 = 0.94;
 
+/// A texel with pivots and one with directions, of an axis. Finer axes have none, and sides of pictures are powers of
+/// two.
+const TEXEL: u64 = 12;
+
 /// Bytes with these options, in one file or several.
 pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let amounts = if options.is_on("instances") { amounts.instanced() } else { *amounts };
@@ -44,8 +48,14 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let is_quantized = options.is_on("quantize") && amounts.wind != Wind::Sway;
     // Texture coordinates stay whole where no picture is seen.
     let plain = if has_pictures { plain_vertices } else { vertices };
-    // Twelve bytes a vertex where they are packed, in place of two vectors of sixteen.
-    let vector = if options.is_word("wind_as", "packed") { 6 } else { 16 };
+    // Twelve bytes a vertex where they are packed, eight where they name texels (four with fewer bits), in place of two vectors of sixteen.
+    let (vector, texels) = match () {
+        () if options.is_word("wind_as", "packed") => (6, 0),
+        () if options.is_word("wind_as", "pivot-painter") && amounts.wind_vectors() > 0 => {
+            (if is_quantized { 2 } else { 4 }, TEXEL * amounts.axes)
+        }
+        () => (16, 0),
+    };
     let moved = vector * amounts.wind_vectors() + 12 * amounts.target_vectors();
     // What each vertex is bound to, and the turns of each joint: of four numbers, in halves with fewer bits.
     let turns = amounts.joints * amounts.frames * if is_quantized { 8 } else { 16 };
@@ -75,5 +85,5 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let buffer = buffer + pictures + shapes;
     // As base64.
     let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
-    buffer + JOINT * amounts.joints + amounts.recipe_bytes + 1700 + 900 * amounts.foliage_materials
+    buffer + texels + JOINT * amounts.joints + amounts.recipe_bytes + 1700 + 900 * amounts.foliage_materials
 }

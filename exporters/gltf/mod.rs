@@ -15,6 +15,7 @@ mod estimate;
 mod meshopt;
 mod nodes;
 mod options;
+mod pivots;
 mod quantize;
 mod recipe;
 mod setting;
@@ -46,7 +47,9 @@ use self::options::{
     COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
     note_translucency, with_lightmap,
 };
+use self::pivots::Pivots;
 use self::quantize::Range;
+use self::wind::WindAs;
 use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
@@ -159,13 +162,9 @@ impl Exporter for Gltf {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(
-            stage,
-            &distinct,
-            &pictures,
-            is_quantized(&distinct, options, bundle),
-            options.is_word("wind_as", "packed"),
-        );
+        let wind_as = wind_as(&distinct, options, bundle, monitor)?;
+        let is_quantized = is_quantized(&distinct, options, bundle);
+        let mut layout = Layout::of_meshes(stage, &distinct, &pictures, is_quantized, wind_as);
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
             let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
@@ -210,6 +209,19 @@ fn distinct<'a>(
         lightmap::unwrap(&mut distinct, sharing, stage, bundle, monitor)?;
     }
     Ok(distinct)
+}
+
+/// How vertices are told the wind; writes what they name beside the file.
+fn wind_as(
+    distinct: &DistinctMeshes<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<WindAs, ExportError> {
+    if options.is_word(WIND_AS.knob.name, "packed") {
+        return Ok(WindAs::Packed);
+    }
+    Ok(Pivots::write(distinct, options, bundle, monitor)?.map_or(WindAs::Attributes, WindAs::Pivots))
 }
 
 /// The format that was asked for.
@@ -315,13 +327,9 @@ impl<'a> Binary<'a> {
         note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
         memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
-        let mut layout = Layout::of_meshes(
-            stage,
-            &distinct,
-            &pictures,
-            is_quantized(&distinct, options, bundle),
-            options.is_word("wind_as", "packed"),
-        );
+        let wind_as = wind_as(&distinct, options, bundle, monitor)?;
+        let is_quantized = is_quantized(&distinct, options, bundle);
+        let mut layout = Layout::of_meshes(stage, &distinct, &pictures, is_quantized, wind_as);
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;

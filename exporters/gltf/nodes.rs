@@ -221,19 +221,26 @@ impl Graph<'_> {
                 let in_season = self.season(plant, index / levels).map(|season| format!("_{season}"));
                 let suffix = in_season.unwrap_or_default() + &suffix(index % levels, levels);
                 // All parts of a plant have the same.
-                let mut linden_wind_cube = None;
+                let (mut linden_wind_cube, mut swings) = (None, false);
                 let primitives = model.parts.iter().zip(&mut arrays).map(|(piece, arrays)| {
                     linden_wind_cube = linden_wind_cube.or(arrays.wind_cube());
+                    swings |= arrays.wind.texels.is_some();
                     (primitive(piece, arrays), arrays.wind.names())
                 });
                 let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
+                let told = swings.then(|| self.layout.wind_as.told(plant)).flatten();
                 self.first_mesh.push(self.meshes.len());
                 if is_parted {
                     self.meshes.extend(model.parts.iter().zip(primitives).map(
                         |(piece, (primitive, target_names))| Mesh {
                             name: format!("{}{suffix}", model.full_name(&piece.name)),
                             primitives: vec![primitive],
-                            extras: Extras { target_names, linden_wind_cube, ..Extras::default() },
+                            extras: Extras {
+                                target_names,
+                                linden_pivot_painter: told.clone(),
+                                linden_wind_cube,
+                                ..Extras::default()
+                            },
                         },
                     ));
                 } else {
@@ -241,7 +248,13 @@ impl Graph<'_> {
                     let linden = if self.stage.is_single() { None } else { recipe(&model.scene.recipe) };
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
-                    let extras = Extras { linden, target_names, linden_wind_cube, ..Extras::default() };
+                    let extras = Extras {
+                        linden,
+                        target_names,
+                        linden_pivot_painter: told,
+                        linden_wind_cube,
+                        ..Extras::default()
+                    };
                     // A billboard, say, is called so.
                     let name = match model.parts.as_slice() {
                         [only] if self.stage.is_single() => model.full_name(&only.name),

@@ -46,20 +46,26 @@ pub const LODS: OptionSpec = OptionSpec::choice(
 
 pub const WIND_AS: OptionSpec = OptionSpec::choice(
     "wind_as",
-    &["attributes", "packed"],
+    &["attributes", "packed", "pivot-painter"],
     "how shaders are told the wind: _WIND and _WINDPIVOT; or packed, 12 bytes a vertex in COLOR_0, TEXCOORD_1 and \
-     TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0)",
+     TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0); or pivot-painter, texels of two \
+     pictures beside the file that TEXCOORD_1 names, for Unreal's functions of Pivot Painter 2",
 );
 
 /// Says why there is no second set where one was asked for: its place is taken by wind.
 pub fn with_lightmap(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
     let swings = |piece: &MeshPart<'_>| piece.wind.is_some_and(|wind| wind.bones.is_none());
-    let is_taken = options.is_word("wind_as", "packed") && distinct.parts().any(swings);
+    // Without files beside it there are no pictures to name texels of.
+    let can_take = |word: &&str| *word != "pivot-painter" || bundle.takes_side_files();
+    let taking = ["packed", "pivot-painter"].into_iter().filter(can_take);
+    let taking = taking.into_iter().find(|word| options.is_word("wind_as", word));
+    let is_taken = taking.is_some() && distinct.parts().any(swings);
     let is_asked = options.is_on(LIGHTMAP_UV.knob.name);
     if is_asked && is_taken {
-        bundle.note(
-            "lightmap_uv is left out: wind_as=packed has TEXCOORD_1; wind_as=attributes and wind=bones leave it free",
-        );
+        let word = taking.unwrap_or_default();
+        bundle.note(format!(
+            "lightmap_uv is left out: wind_as={word} has TEXCOORD_1; wind_as=attributes and wind=bones leave it free"
+        ));
     }
     is_asked && !is_taken
 }

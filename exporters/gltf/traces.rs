@@ -59,6 +59,7 @@ struct Attributes {
 #[derive(Deserialize)]
 struct WindExtras {
     linden_wind_cube: Option<IgnoredAny>,
+    linden_pivot_painter: Option<IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
@@ -135,8 +136,12 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
         .with_switch("quantize", uses("KHR_mesh_quantization"))
         .with("compress", if uses("EXT_meshopt_compression") { "meshopt" } else { "none" });
     let is_packed = |mesh: &Mesh| mesh.extras.as_ref().is_some_and(|told| told.linden_wind_cube.is_some());
+    let has_pivots =
+        |mesh: &Mesh| mesh.extras.as_ref().is_some_and(|told| told.linden_pivot_painter.is_some());
     if document.meshes.iter().any(is_packed) {
         traces = traces.with("wind_as", "packed");
+    } else if document.meshes.iter().any(has_pivots) {
+        traces = traces.with("wind_as", "pivot-painter");
     } else {
         let mut primitives = document.meshes.iter().flat_map(|mesh| &mesh.primitives);
         let has_second = primitives.any(|primitive| primitive.attributes.second.is_some());

@@ -6,12 +6,15 @@
 //! Packed, for engines that read no attributes of others: `COLOR_0` is phase, sway, flutter and 1 in bytes (an alpha
 //! below 1 would cut leaves away), `TEXCOORD_1` x and z of the pivot, `TEXCOORD_2` its y and a sixteenth of the level,
 //! in 16 bits of a cube that the mesh's extras tell. Viewers without a shader for it tint what they show by `COLOR_0`.
+//!
+//! As pivots in pictures, for Unreal: see [`pivots`](super::pivots).
 
 use linden_pipeline::stage::Stage;
 use linden_pipeline::wind::{Binding, Bones, Motion, PartWind};
 
 use super::byte_sink::ByteSink;
 use super::document::ComponentType;
+use super::pivots::{PivotExtras, Pivots};
 use super::quantize::Cube;
 use crate::ExportError;
 use crate::writing::distinct::{DistinctMeshes, MeshPart, PlantModel};
@@ -23,6 +26,8 @@ pub(super) struct WindArrays {
     pub attributes: Option<[usize; 2]>,
     /// `COLOR_0`, `TEXCOORD_1` and `TEXCOORD_2`.
     pub packed: Option<[usize; 3]>,
+    /// `TEXCOORD_1`, of texels with pivots.
+    pub texels: Option<usize>,
     /// `JOINTS_0` and `WEIGHTS_0`.
     pub bindings: Option<[usize; 2]>,
     /// The positions of each target.
@@ -35,6 +40,34 @@ impl WindArrays {
     /// What the targets are called.
     pub fn names(&self) -> Vec<&'static str> {
         self.motions.iter().map(|motion| motion.name()).collect()
+    }
+}
+
+/// How vertices are told the wind.
+pub(super) enum WindAs {
+    /// By vectors of numbers.
+    Attributes,
+    /// By bytes.
+    Packed,
+    /// By texels.
+    Pivots(Pivots),
+}
+
+impl WindAs {
+    /// The pictures whose texels a part of a plant names, and which plant it is.
+    pub fn pivots(&self, plant: Option<usize>, wind: &PartWind) -> Option<(&Pivots, usize)> {
+        match (self, plant) {
+            (Self::Pivots(pivots), Some(plant)) if pivots.has(plant, wind) => Some((pivots, plant)),
+            _ => None,
+        }
+    }
+
+    /// What meshes of a plant tell of its pictures.
+    pub fn told(&self, plant: usize) -> Option<PivotExtras> {
+        match self {
+            Self::Pivots(pivots) => pivots.told(plant).cloned(),
+            Self::Attributes | Self::Packed => None,
+        }
     }
 }
 
@@ -65,14 +98,16 @@ pub(super) fn write(
     wind: &PartWind,
     cube: Option<Cube>,
     packed: Option<Cube>,
+    pivots: Option<(&Pivots, usize)>,
     out: &mut impl ByteSink,
 ) -> Result<(), ExportError> {
     if let Some(bones) = &wind.bones {
         return write_bindings(bones, &wind.bindings, out);
     }
-    match packed {
-        Some(cube) => write_packed(wind, cube, out)?,
-        None => write_whole(wind, cube, out)?,
+    match (pivots, packed) {
+        (Some((pivots, plant)), _) => pivots.write_uvs(plant, wind, cube.is_some(), out)?,
+        (None, Some(cube)) => write_packed(wind, cube, out)?,
+        (None, None) => write_whole(wind, cube, out)?,
     }
     // In the order in which a part has them, which is that of `Motion::ALL`.
     wind.targets.iter().try_for_each(|target| out.put(bytemuck::cast_slice(&target.offsets)))

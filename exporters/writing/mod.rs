@@ -85,6 +85,7 @@
 
 mod asked;
 pub mod distinct;
+pub(crate) mod exr;
 mod fit;
 pub mod instances;
 pub(crate) mod lightmap;

@@ -5,7 +5,7 @@ use linden_pipeline::Monitor;
 use linden_pipeline::scene::{Bounds, Material, Mesh, Part, Scene};
 use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
 use linden_pipeline::stage::{Place, Stage};
-use linden_pipeline::wind::{Binding, PartWind};
+use linden_pipeline::wind::{AxisPivot, Binding, PartWind};
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -184,9 +184,20 @@ fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bound
 fn check_wind(wind: &PartWind, count: usize) -> Option<String> {
     let Some(bones) = &wind.bones else {
         let targets = wind.targets.iter().map(|target| target.offsets.len());
-        let mut lengths = [wind.motions.len(), wind.pivots.len()].into_iter().chain(targets);
-        let length = lengths.find(|length| *length != count)?;
-        return Some(format!("{count} vertices move in the wind by {length} entries"));
+        let axes = wind.hierarchy.as_ref().map(|_| wind.axes.len());
+        let mut lengths = [wind.motions.len(), wind.pivots.len()].into_iter().chain(axes).chain(targets);
+        if let Some(length) = lengths.find(|length| *length != count) {
+            return Some(format!("{count} vertices move in the wind by {length} entries"));
+        }
+        let all = wind.hierarchy.as_deref()?;
+        let is_strange = |(index, axis): (usize, &AxisPivot)| axis.parent as usize > index;
+        if all.iter().enumerate().any(is_strange) || wind.axes.iter().any(|axis| *axis as usize >= all.len())
+        {
+            return Some(
+                "the axes that it moves with are not there, or not in the order of parents first".to_owned(),
+            );
+        }
+        return None;
     };
     if wind.bindings.len() != count {
         return Some(format!("{} of {count} vertices are bound to joints", wind.bindings.len()));

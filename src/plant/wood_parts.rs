@@ -118,6 +118,8 @@ fn blown(wind: &PartWind, vertices: &[u32]) -> PartWind {
     PartWind {
         motions: taken(&wind.motions, vertices),
         pivots: taken(&wind.pivots, vertices),
+        axes: taken(&wind.axes, vertices),
+        hierarchy: wind.hierarchy.clone(),
         targets: wind.targets.iter().map(target).collect(),
         sway: wind.sway.clone(),
         bindings: taken(&wind.bindings, vertices),

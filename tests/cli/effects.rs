@@ -247,3 +247,21 @@ fn a_sheet_of_levels_has_a_tree_in_each_row() {
     assert_eq!(sheet("b.png", &["--lods"]), [160, 100]);
     assert_eq!(sheet("c.png", &["--lods=4000,1500"]), [80, 100]);
 }
+
+#[test]
+fn what_pivots_in_pictures_cannot_hold_is_said() {
+    let folder = Folder::new();
+    let pivots = "glb.wind_as=pivot-painter";
+    for (args, part) in [
+        (
+            &["simple", "-o", "x.glb", "--wind", "--set", "glb.lightmap_uv=true"][..],
+            "lightmap_uv is left out: wind_as=pivot-painter has TEXCOORD_1",
+        ),
+        (&["lombardy-poplar", "--triangles=3000", "-o", "x.glb", "--wind"], "reach beyond 20.48 m"),
+        (&["simple", "-o", "x.glb"], "wind_as changes nothing: nothing moves"),
+        (&["simple", "-o", "-", "--format", "glb", "--wind"], "a single stream has no pictures beside it"),
+    ] {
+        let said = folder.run(&[&["export"], args, &["--set", pivots]].concat());
+        assert!(said.code == Some(0) && said.err.contains(part), "{args:?}: {}", said.err);
+    }
+}

@@ -47,6 +47,8 @@ fn every_format_and_option_is_seen_and_gives_the_same_bytes() {
         ("glb", &["glb.quantize=true", "wind=bones", "lods=2"]),
         ("glb", &["glb.lightmap_uv=true", "glb.quantize=true", "wind=bones", "lods=2"]),
         ("glb", &["glb.lightmap_uv=true", "glb.wind_as=packed", "wind=attributes"]),
+        ("glb", &["glb.wind_as=pivot-painter", "glb.quantize=true", "wind=attributes", "lods=2"]),
+        ("gltf", &["gltf.wind_as=pivot-painter", "wind=sway"]),
         ("usda", &["usda.lightmap_uv=true", "usda.proxy=true", "lods=2"]),
         ("usdc", &["wind=bones"]),
         ("usda", &[]),

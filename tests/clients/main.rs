@@ -17,6 +17,7 @@ mod mtg;
 mod numbers;
 mod organs;
 mod outside;
+mod pivots;
 mod presets;
 mod read_back;
 mod references;

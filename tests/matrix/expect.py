@@ -83,6 +83,8 @@ def gltf(path, has_sky=True):
             }
     # How much of a picture the second texture coordinates cover.
     want["second"] = sum(judge.covered(mesh.second, mesh.triangles) for mesh in tree.meshes if mesh.second is not None)
+    seconds = [mesh.second for mesh in tree.meshes if mesh.second is not None]
+    want["texels"] = judge.distinct(np.vstack(seconds)) if seconds else 0
     want["morphs"] = max(len(part.get("targets", [])) for part in parts)
     want["joints"] = sum(len(skin["joints"]) for skin in document.get("skins", []))
     want["levels"] = 1 + max((len(node.get("extensions", {}).get("MSFT_lod", {}).get("ids", [])) for node in nodes), default=0)

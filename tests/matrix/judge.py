@@ -119,6 +119,20 @@ def second(_, want, facts):
     return None if abs(area - want["second"]) < 1e-2 * want["second"] else f"{area:.3f} of {want['second']:.3f} covered"
 
 
+def texels(_, want, facts):
+    """As many different pairs as were written, each in the picture."""
+    pairs = [pair for part in facts.get("second") or [] for pair in np.array(part["pairs"], dtype=float).reshape(-1, 2)]
+    if not pairs:
+        return "none"
+    found = distinct(pairs)
+    return None if found == want["texels"] else f"{found} of {want['texels']} pairs"
+
+
+def distinct(pairs):
+    """How many pairs differ by more than rounding; V may run up or down."""
+    return len(np.unique(np.round(np.array(pairs), 3), axis=0))
+
+
 def counted(key):
     def fault(_, want, facts):
         return None if facts.get(key, 0) == want[key] else f"{facts.get(key, 0)} of {want[key]}"
@@ -156,6 +170,7 @@ HOLDS = {
     "primvars": wind,
     "packed": packed,
     "second": second,
+    "texels": texels,
     "morphs": counted("morphs"),
     "joints": counted("joints"),
     "clip": clip,

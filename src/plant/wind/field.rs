@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::rig::Rig;
 use super::sway::MOST;
-use super::{Binding, Blow, Blown, BoneSettings, Motion, PartWind, Sway, Target, Wind};
+use super::{AxisPivot, Binding, Blow, Blown, BoneSettings, Motion, PartWind, Sway, Target, Wind};
 use crate::Specimen;
 use crate::foliage::{Look, Shaper};
 use crate::settings::WindSettings;
@@ -45,6 +45,8 @@ pub(crate) struct Field<'a> {
     key: Key,
     direction: Vec3,
     pub(super) strength: f32,
+    /// For attributes.
+    hierarchy: Option<Arc<[AxisPivot]>>,
     /// `None`: no loop of morph targets.
     sway: Option<Arc<Sway>>,
     /// The joints in place of all else.
@@ -102,7 +104,10 @@ impl<'a> Field<'a> {
         let key = specimen.key().named("wind");
         let field = || {
             let field = Self::new(whole, blow, *wind, key);
-            if *wind == Wind::Bones { field.with_bones(blow, *bones) } else { field }
+            match wind {
+                Wind::Bones => field.with_bones(blow, *bones),
+                _ => Self { hierarchy: Some(field.hierarchy()), ..field },
+            }
         };
         (*wind != Wind::Off).then(field)
     }
@@ -117,6 +122,7 @@ impl<'a> Field<'a> {
             key,
             direction: Vec3::new(cos as f32, 0.0, -sin as f32),
             strength: blow.strength as f32,
+            hierarchy: None,
             sway: (wind == Wind::Sway).then(|| Arc::new(Sway::new(blow))),
             rig: None,
         };
@@ -200,6 +206,8 @@ impl<'a> Field<'a> {
         PartWind {
             motions: Vec::with_capacity(attributes),
             pivots: Vec::with_capacity(attributes),
+            axes: Vec::with_capacity(attributes),
+            hierarchy: self.hierarchy.clone(),
             targets: self.targets(vertices, motions),
             sway: self.sway.clone(),
             bindings: Vec::with_capacity(bindings),
@@ -220,7 +228,8 @@ impl Field<'_> {
             return bytes_of::<Binding>(vertices) + rig.bones.bytes();
         }
         let targets = if self.sway.is_some() { Motion::ALL.len() } else { 0 };
-        bytes_of::<[f32; 8]>(vertices) + bytes_of::<Vec3>(vertices * targets)
+        let axes = self.hierarchy.as_ref().map_or(0, |axes| bytes_of::<AxisPivot>(axes.len()));
+        bytes_of::<([f32; 8], u32)>(vertices) + axes + bytes_of::<Vec3>(vertices * targets)
     }
 }
 
@@ -256,6 +265,7 @@ impl Blown<'_> {
             for &place in &mesh.positions[first..roots_from.min(count)] {
                 let sway = swing.share(place).min(1.0) * swing.flexible;
                 wind.motions.push([swing.level as f32, swing.phase, sway, 0.0]);
+                wind.axes.push(axis as u32);
                 wind.pivots.push(swing.pivot.extend(place.distance(swing.pivot)).to_array());
                 for (target, moved) in wind.targets.iter_mut().zip(ends(swing.moved(place))) {
                     target.offsets.push(moved);
@@ -263,6 +273,7 @@ impl Blown<'_> {
             }
             for &place in &mesh.positions[roots_from.min(count)..last.min(count)] {
                 wind.motions.push([swing.level as f32, swing.phase, 0.0, 0.0]);
+                wind.axes.push(axis as u32);
                 wind.pivots.push(swing.pivot.extend(place.distance(swing.pivot)).to_array());
                 wind.targets.iter_mut().for_each(|target| target.offsets.push(Vec3::ZERO));
             }
@@ -333,7 +344,7 @@ impl Blown<'_> {
             wind.bindings.resize(last, binding);
             return;
         }
-        let twig = self.field.of_node(node);
+        let (twig, axis) = (self.field.of_node(node), self.field.axis_at(node) as u32);
         let carried = twig.moved(leaf.foot);
         let sway = twig.share(leaf.foot).min(1.0) * twig.flexible;
         let phase = self.field.phase(leaf.foot, leaf.up);
@@ -346,6 +357,7 @@ impl Blown<'_> {
             let flutter = (distance_m / leaf.size_m.max(1e-6)).min(1.0);
             wind.motions.push([twig.level as f32 + 1.0, phase, sway, flutter]);
             wind.pivots.push(leaf.foot.extend(distance_m).to_array());
+            wind.axes.push(axis);
             let swing = flap * flutter;
             let [stem, with_sine, with_cosine] = carried;
             let moved = [stem, with_sine, with_cosine, swing * cos, swing * sin];

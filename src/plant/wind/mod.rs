@@ -15,6 +15,7 @@
 
 mod bones;
 mod field;
+mod hierarchy;
 mod moment;
 mod rig;
 mod sway;
@@ -27,6 +28,7 @@ use linden_base::memory::bytes_of;
 
 pub use bones::{Binding, BoneSettings, Bones, INFLUENCES, Joint};
 pub(crate) use field::Field;
+pub use hierarchy::AxisPivot;
 pub use moment::blown;
 pub use rig::most_joints;
 pub use sway::Sway;
@@ -77,6 +79,10 @@ pub struct PartWind {
     /// Where the vertex's axis leaves its parent, or its leaf the twig (metres), and how far the vertex is
     /// from there.
     pub pivots: Vec<[f32; 4]>,
+    /// The axis that bears the vertex, an index into `hierarchy`; of a leaf that of its twig.
+    pub axes: Vec<u32>,
+    /// The axes of the whole tree; the same for all parts and levels of it.
+    pub hierarchy: Option<Arc<[AxisPivot]>>,
     /// The sway loop's morph targets; none where only attributes are wanted.
     pub targets: Vec<Target>,
     /// How their weights go; the same for all parts of a tree.
@@ -93,6 +99,7 @@ impl PartWind {
         let targets: u64 =
             self.targets.iter().map(|target| bytes_of::<Vec3>(target.offsets.capacity())).sum();
         bytes_of::<[f32; 4]>(self.motions.capacity() + self.pivots.capacity())
+            + bytes_of::<u32>(self.axes.capacity())
             + bytes_of::<Binding>(self.bindings.capacity())
             + targets
     }
