@@ -119,8 +119,8 @@ pub(super) fn mesh_bytes(piece: &MeshPart<'_>) -> u64 {
         let offsets = wind.targets.iter().map(|target| target.offsets.len() as u64).sum::<u64>();
         2 * 21 * vertices + 17 * offsets
     });
-    let second = piece.lightmap.as_ref().map_or(0, |set| 8 * set.len() as u64);
-    4096 + 37 * vertices + 14 * triangles + moved + second
+    let second = piece.lightmap.as_ref().map_or(0, |set| 8 * set.len() as u64 + 12 * triangles);
+    4096 + 33 * vertices + 26 * triangles + moved + second
 }
 
 /// What a node of the skeleton takes.

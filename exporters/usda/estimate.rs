@@ -19,6 +19,16 @@ const JOINT: u64 = 340;
 const JOINT_TEXT: u64 = 420;
 const TURN_TEXT: u64 = 48;
 
+// Texture coordinates have an index for each corner: characters and bytes that those of a corner take more than one for each
+// vertex. Leaves have few pairs and short indices, wood has long ones.
+const CORNER_TEXT: f64 = 5.0;
+const CORNER: f64 = 0.25;
+
+/// Corners of triangles, less one for each vertex.
+fn more_corners(amounts: &Amounts) -> f64 {
+    (3 * amounts.triangles).saturating_sub(amounts.vertices) as f64
+}
+
 /// Bytes a vertex that the second set of texture coordinates takes as text.
 fn second_set(options: &Options) -> f64 {
     if options.is_on(LIGHTMAP_UV.knob.name) { 24.0 } else { 0.0 }
@@ -32,7 +42,7 @@ pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
     let curves = if options.is_on("skeleton") && is_full { 20.0 * (nodes + axes) as f64 } else { 0.0 };
     let meshes = 27.0 * vertices as f64 + 3.2 * triangles as f64 + 33.0 * amounts.placements as f64;
     let moved = 12.0 * amounts.wind_vectors() as f64 + 13.0 * amounts.target_vectors() as f64;
-    let meshes = meshes + second_set(options) / 3.0 * vertices as f64;
+    let meshes = meshes + CORNER * more_corners(&amounts) + second_set(options) / 3.0 * vertices as f64;
     let moved = moved + BOUND * amounts.bound_vertices() as f64;
     let moved = moved + (JOINT + 16 * amounts.frames) as f64 * amounts.joints as f64;
     let materialx = if options.is_on("materialx") && is_full { 400 * amounts.foliage_materials } else { 0 };
@@ -62,6 +72,6 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let shapes = if is_full { 520 * collision::expected(amounts.axes, options) } else { 0 };
     let around = around + shapes;
     let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
-    let second = second_set(options) * vertices as f64;
+    let second = second_set(options) * vertices as f64 + CORNER_TEXT * more_corners(&amounts);
     (85.0 * vertices as f64 + second + places + moved + faces + curves) as u64 + around + pictures
 }

@@ -4,6 +4,7 @@ use super::indexed::indexed;
 use super::layer::Layer;
 use super::syntax::{quoted, tuple};
 use super::wind;
+use linden_pipeline::scene::Mesh;
 use linden_pipeline::wind::PartWind;
 
 use crate::ExportError;
@@ -63,15 +64,37 @@ color3f[] primvars:displayColor = [{}] (
     let count = mesh.positions.len();
     layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
     layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())?;
-    primvar::<2>(layer, "texCoord2f[] primvars:st", bytemuck::cast_slice(&mesh.uvs))?;
+    coordinates(layer, "texCoord2f[] primvars:st", mesh, bytemuck::cast_slice(&mesh.uvs))?;
     if let Some(set) = &piece.lightmap {
-        primvar::<2>(layer, LIGHTMAP_TRACE, bytemuck::cast_slice(set))?;
+        coordinates(layer, LIGHTMAP_TRACE, mesh, bytemuck::cast_slice(set))?;
     }
     if let Some(wind) = wind {
         wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
     }
     layer.close()?;
     layer.lines("\n")
+}
+
+/// Texture coordinates, each different pair once, with an index for each corner of a face. One for each vertex would say
+/// the same in fewer bytes, but three.js takes indices for those of corners whatever `interpolation` says.
+fn coordinates(
+    layer: &mut Layer<'_, '_>,
+    declaration: &str,
+    mesh: &Mesh,
+    values: &[[f32; 2]],
+) -> Result<(), ExportError> {
+    let Some((once, indices)) = indexed(values) else {
+        return layer.array(declaration, values.len(), Some("vertex"), |i| values[i]);
+    };
+    layer.array(declaration, once.len(), Some("faceVarying"), |i| once[i])?;
+    layer.array(&indices_of(declaration), mesh.triangles.len(), None, |i| {
+        mesh.triangles[i].map(|vertex| indices[vertex as usize])
+    })
+}
+
+/// The declaration of the indices into a primvar's values.
+fn indices_of(declaration: &str) -> String {
+    format!("int[] {}:indices", declaration.rsplit(' ').next().unwrap_or_default())
 }
 
 /// A primvar with a value for each vertex, each different one once.
@@ -81,11 +104,9 @@ pub(super) fn primvar<const N: usize>(
     values: &[[f32; N]],
 ) -> Result<(), ExportError> {
     let vertex = Some("vertex");
-    if let Some((once, indices)) = indexed(values) {
-        let name = declaration.rsplit(' ').next().unwrap_or_default();
-        layer.array(declaration, once.len(), vertex, |i| once[i])?;
-        layer.array(&format!("int[] {name}:indices"), indices.len(), None, |i| indices[i])
-    } else {
-        layer.array(declaration, values.len(), vertex, |i| values[i])
-    }
+    let Some((once, indices)) = indexed(values) else {
+        return layer.array(declaration, values.len(), vertex, |i| values[i]);
+    };
+    layer.array(declaration, once.len(), vertex, |i| once[i])?;
+    layer.array(&indices_of(declaration), indices.len(), None, |i| indices[i])
 }

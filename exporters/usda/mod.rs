@@ -529,8 +529,10 @@ fn text_bytes(piece: &MeshPart<'_>) -> u64 {
         let moved = offsets.filter(|offset| **offset != Vec3::ZERO).count() as u64;
         2 * WIND_BYTES * vertices + (OFFSET_BYTES + digits) * moved
     });
-    let second = piece.lightmap.as_ref().map_or(0, |set| 28 * set.len() as u64);
-    4096 + 92 * vertices + (9 + 3 * digits) * triangles + moved + second
+    // An index for each corner, with what stands between two.
+    let corners = 3 * (digits + 2) * triangles;
+    let second = piece.lightmap.as_ref().map_or(0, |set| 28 * set.len() as u64 + corners);
+    4096 + 92 * vertices + (9 + 3 * digits) * triangles + corners + moved + second
 }
 
 /// What writing takes: of one mesh after the other, its texture coordinates each once (a table of

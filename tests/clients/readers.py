@@ -356,6 +356,21 @@ def entries(path):
         return [info.filename for info in infos]
 
 
+def of_vertices(primvar, corners, count):
+    """The value of each vertex, where all corners that name it have the same: in linden's files always."""
+    values = np.array(primvar.ComputeFlattened(), dtype=np.float64)
+    # Readers of indices that pass over the interpolation take them for those of corners.
+    assert (primvar.GetInterpolation() == "faceVarying") == primvar.IsIndexed(), "indices of vertices"
+    if not primvar.IsIndexed():
+        return values
+    assert len(values) == len(corners), "texture coordinates of another number of corners"
+    corners = np.minimum(corners, count)  # what is too large is told of later
+    of_vertex = np.zeros((count + 1, values.shape[1]))
+    of_vertex[corners] = values
+    assert (of_vertex[corners] == values).all(), "corners of a vertex differ in st"
+    return of_vertex[:count]
+
+
 def usda(path):
     from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
@@ -375,15 +390,15 @@ def usda(path):
         assert (counts == 3).all(), "a face is no triangle"
         numbers = lambda attribute: np.array(attribute.Get(), dtype=np.float64)
         st = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
-        assert mesh.GetNormalsInterpolation() == st.GetInterpolation() == "vertex"
+        assert mesh.GetNormalsInterpolation() == "vertex"
         indices = np.array(st.GetIndices() or [0])
         assert 0 <= indices.min() and indices.max() < len(st.Get()), "an index of st names no value"
         triangles = np.array(mesh.GetFaceVertexIndicesAttr().Get()).astype(np.int64)
         assert len(triangles) == 3 * len(counts), "faceVertexCounts and faceVertexIndices disagree"
+        points = numbers(mesh.GetPointsAttr())
         assert UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0], "no material is bound"
         return Mesh(
-            prim.GetName(), numbers(mesh.GetPointsAttr()), numbers(mesh.GetNormalsAttr()),
-            np.array(st.ComputeFlattened(), dtype=np.float64),
+            prim.GetName(), points, numbers(mesh.GetNormalsAttr()), of_vertices(st, triangles, len(points)),
             triangles.reshape(-1, 3), tuple(np.array(p) for p in mesh.GetExtentAttr().Get()))
 
     cache = UsdGeom.XformCache()

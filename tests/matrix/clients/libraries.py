@@ -200,8 +200,10 @@ def usd(path):
         facts.mesh(mesh.GetPointsAttr().Get(), sum(n - 2 for n in mesh.GetFaceVertexCountsAttr().Get()), matrix)
         facts.attributes |= {each.GetPrimvarName() for each in UsdGeom.PrimvarsAPI(prim).GetPrimvars()}
         bound = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0]
-        if (st1 := UsdGeom.PrimvarsAPI(prim).GetPrimvar("st1")) and st1.GetInterpolation() == "vertex":
-            facts.second(len(mesh.GetPointsAttr().Get()), st1.ComputeFlattened(), mesh.GetFaceVertexIndicesAttr().Get())
+        if st1 := UsdGeom.PrimvarsAPI(prim).GetPrimvar("st1"):
+            corners, pairs = mesh.GetFaceVertexIndicesAttr().Get(), st1.ComputeFlattened()
+            by_corner = st1.GetInterpolation() == "faceVarying"
+            facts.second(len(pairs if by_corner else mesh.GetPointsAttr().Get()), pairs, range(len(corners)) if by_corner else corners)
         if bound:
             facts.told["materials"][bound.GetPrim().GetName()] = {**surface(bound.GetPrim()), "two": mesh.GetDoubleSidedAttr().Get()}
         if prim.HasAPI(UsdSkel.BindingAPI):

@@ -1,4 +1,7 @@
-//! A mesh: polygons become triangles, and what is said for each corner gives each corner a vertex.
+//! A mesh: polygons become triangles, and what is said for each corner divides vertices whose corners differ.
+
+use std::collections::HashMap;
+use std::hash::Hash;
 
 use glam::{Vec2, Vec3};
 use openusd::sdf::{Path, Value};
@@ -32,8 +35,8 @@ pub(super) fn read(layer: &Layer, prim: &Path) -> Result<Mesh, ReadError> {
         _ => Vec::new(),
     };
     let points = layer.value(prim, "points").and_then(|value| vectors(&value)).unwrap_or_default();
-    let (counts, corners) = (integers("faceVertexCounts"), integers("faceVertexIndices"));
-    let vertices: Option<Vec<u32>> = corners
+    let (counts, named) = (integers("faceVertexCounts"), integers("faceVertexIndices"));
+    let vertices: Option<Vec<u32>> = named
         .iter()
         .map(|&corner| u32::try_from(corner).ok().filter(|&corner| (corner as usize) < points.len()))
         .collect();
@@ -44,23 +47,29 @@ pub(super) fn read(layer: &Layer, prim: &Path) -> Result<Mesh, ReadError> {
     let [first, second] = uvs(layer, prim);
     let split = normals.as_ref().is_some_and(|normals| normals.is_of_corners)
         || [&first, &second].into_iter().flatten().any(|uvs| uvs.is_of_corners);
-    // Which vertex and which corner each of ours is.
-    let sources: Vec<(usize, usize)> = if split {
-        vertices.iter().enumerate().map(|(corner, &vertex)| (vertex as usize, corner)).collect()
+    // Which vertex and which corner each of ours is, and which of ours each corner is.
+    let (sources, corners) = if split {
+        divided(&vertices, |vertex, corner| {
+            let normal =
+                normals.as_ref().map(|normals| normals.at(vertex, corner).to_array().map(f32::to_bits));
+            let uv = |uvs: &Option<Primvar<Vec2>>| {
+                uvs.as_ref().map(|uvs| uvs.at(vertex, corner).to_array().map(f32::to_bits))
+            };
+            (normal, uv(&first), uv(&second))
+        })
     } else {
-        (0..points.len()).map(|vertex| (vertex, vertex)).collect()
+        ((0..points.len()).map(|vertex| (vertex, vertex)).collect(), vertices)
     };
-    let corner = |corner: usize| if split { corner as u32 } else { vertices[corner] };
     let is_left = layer
         .value(prim, "orientation")
         .is_some_and(|value| super::layer::word(&value).as_deref() == Some("leftHanded"));
     let (mut triangles, mut at) = (Vec::new(), 0_usize);
     for count in counts {
         let count = usize::try_from(count).unwrap_or(0);
-        let end = at.checked_add(count).filter(|&end| end <= vertices.len());
+        let end = at.checked_add(count).filter(|&end| end <= corners.len());
         let end = end.ok_or_else(|| broken(format!("{name}: faces have more corners than are listed")))?;
         for i in 1..count.saturating_sub(1) {
-            let [a, b, c] = [at, at + i, at + i + 1].map(corner);
+            let [a, b, c] = [at, at + i, at + i + 1].map(|corner| corners[corner]);
             triangles.push(if is_left { [a, c, b] } else { [a, b, c] });
         }
         at = end;
@@ -82,6 +91,25 @@ pub(super) fn read(layer: &Layer, prim: &Path) -> Result<Mesh, ReadError> {
         triangles: geometry.triangles.len(),
         geometry: Some(geometry),
     })
+}
+
+/// A vertex for each that corners name with the same values: the vertex and the first corner that each is, and the one of
+/// each corner.
+fn divided<V: Eq + Hash>(
+    vertices: &[u32],
+    values: impl Fn(usize, usize) -> V,
+) -> (Vec<(usize, usize)>, Vec<u32>) {
+    let mut sources = Vec::new();
+    let mut known = HashMap::new();
+    let corners = vertices.iter().enumerate().map(|(corner, &vertex)| {
+        let vertex = vertex as usize;
+        *known.entry((vertex, values(vertex, corner))).or_insert_with(|| {
+            sources.push((vertex, corner));
+            sources.len() as u32 - 1
+        })
+    });
+    let corners = corners.collect();
+    (sources, corners)
 }
 
 /// The first two sets of texture coordinates: `st` before all others.
