@@ -105,7 +105,7 @@ impl Layer {
 
     /// The material that is bound to a prim or to what it stands in.
     pub fn binding(&self, prim: &Path) -> Option<String> {
-        let above = prim.strict_ancestors();
+        let above = above(prim);
         std::iter::once(prim.clone())
             .chain(above)
             .find_map(|prim| self.target(&prim, "material:binding", "targetPaths"))
@@ -154,7 +154,7 @@ impl Layer {
         let mut places = vec![self.transform(prim, asset)];
         // A prim and its variants are one.
         let mut done = BTreeSet::new();
-        for above in prim.strict_ancestors() {
+        for above in above(prim) {
             let says_nothing =
                 above.is_prim_variant_selection_path() && self.value(&above, "xformOpOrder").is_none();
             if says_nothing || !done.insert(plain(&above)) {
@@ -299,4 +299,15 @@ pub(super) fn number(value: &Value) -> Option<f64> {
         Value::Int(number) => Some(f64::from(*number)),
         _ => None,
     }
+}
+
+/// The prims and variants that a prim is within, from the nearest on. Of a broken name (`{=}`) the crate gives the same path
+/// as what is above it, for ever.
+pub(super) fn above(prim: &Path) -> impl Iterator<Item = Path> {
+    let mut length = prim.as_str().len();
+    prim.strict_ancestors().take_while(move |above| {
+        let is_shorter = above.as_str().len() < length;
+        length = above.as_str().len();
+        is_shorter
+    })
 }

@@ -64,7 +64,7 @@ fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(
         let places: Vec<Affine3A> =
             layer.places(&prim, asset)?.into_iter().map(|place| root * place).collect();
         left = left.checked_sub(places.len()).ok_or_else(layer::too_many)?;
-        let above = prim.strict_ancestors().filter_map(|above| above.name().map(str::to_owned)).collect();
+        let above = layer::above(&prim).filter_map(|above| above.name().map(str::to_owned)).collect();
         drawn.push(Drawn { mesh: asset.meshes.len(), node: read.name.clone(), places, level, above });
         asset.meshes.push(read);
     }
