@@ -45,7 +45,13 @@ impl Format {
     /// The same with these options: some formats may have a file for each.
     pub fn levels_with(&self, options: &Options) -> LooksIn {
         let in_files = self.holds.levels == LooksIn::One && options.is_word("lods", "files");
-        if in_files { LooksIn::Files } else { self.holds.levels }
+        // An assembly is one, of which its reader makes others.
+        let is_assembly = ["static", "skeletal"].iter().any(|word| options.is_word("nanite", word));
+        match self.holds.levels {
+            _ if in_files => LooksIn::Files,
+            LooksIn::One if is_assembly => LooksIn::Nothing,
+            looks_in => looks_in,
+        }
     }
 
     /// The longest of its endings that a file's name has, in any case.

@@ -57,9 +57,16 @@ pub struct Amounts {
 }
 
 impl Amounts {
-    /// The same with leaves as instances: each shape once, and [`placements`](Self::placements) of them.
+    /// The same with leaves as instances: each shape once, and [`placements`](Self::placements) of them. What moves in the
+    /// wind is written one by one.
     #[must_use]
     pub const fn instanced(self) -> Self {
+        if matches!(self.wind, Wind::Off) { self.in_parts() } else { self }
+    }
+
+    /// The same with leaves as instances whether they move or not.
+    #[must_use]
+    pub const fn in_parts(self) -> Self {
         Self {
             vertices: self.vertices - self.saved.vertices,
             triangles: self.triangles - self.saved.triangles,

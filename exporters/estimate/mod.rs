@@ -123,9 +123,7 @@ impl Estimate {
             Some(file) => file_bytes(recipe, file),
             None => leaf_picture_bytes(foliage.size_px),
         });
-        // What moves in the wind is written one by one.
-        let instanced =
-            if wind == Wind::Off { Instanced::of(organs, leaf_times) } else { Instanced::default() };
+        let instanced = Instanced::of(organs, leaf_times);
         let all = LevelAmounts {
             vertices: vertices + foliage_vertices,
             triangles: triangles + foliage_triangles,

@@ -201,7 +201,7 @@ fn distinct<'a>(
 ) -> Result<DistinctMeshes<'a>, ExportError> {
     let mut distinct = DistinctMeshes::under_dome(stage, monitor)?;
     if options.is_on("instances") {
-        instances::unbake(&mut distinct, stage, bundle, monitor)?;
+        instances::unbake(&mut distinct, stage, instances::Moving::Baked, bundle, monitor)?;
     }
     if with_lightmap(&distinct, options, bundle) {
         let is_parted = nodes::is_parted(stage, &distinct);

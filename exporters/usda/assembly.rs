@@ -44,6 +44,7 @@ pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str
         name: &stage.name,
         recipe: &stage.recipe,
         kind: "assembly",
+        nanite: None,
         variants,
         bounds: None,
         is_labelled: false,
@@ -108,6 +109,7 @@ fn write_plant(
         name: &stage_plant.name,
         recipe,
         kind: "component",
+        nanite: None,
         variants,
         bounds: component.bounds(),
         is_labelled: writing.said.labels,
@@ -227,7 +229,14 @@ fn write_pieces(
     for piece in pieces {
         let binding = format!("{path}/Materials/{}", materials[&piece.material]);
         let name = identifier(&piece.name);
-        let prim = MeshPrim { parent: "", name: &name, material: &binding, wind: piece.wind, label: None };
+        let prim = MeshPrim {
+            parent: "",
+            name: &name,
+            material: &binding,
+            wind: piece.wind,
+            rig: None,
+            label: None,
+        };
         mesh::write(layer, &writing.distinct, piece, &prim)?;
     }
     layer.close()?;

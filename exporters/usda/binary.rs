@@ -7,7 +7,9 @@ use linden_pipeline::stage::{Stage, Surroundings};
 
 use super::layer::Layer;
 use super::payload::{self, Split};
-use super::{COLLISION, MOST, OPTIONS, bones, estimate, flavored, mesh, plant, write_beside, write_layer};
+use super::{
+    COLLISION, MOST, OPTIONS, bones, estimate, flavored, mesh, nanite, plant, write_beside, write_layer,
+};
 use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
@@ -104,6 +106,9 @@ pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
     } else {
         traces.with_switch("instances", has_instances)
     };
+    let mesh_types = ["staticMesh", "skeletalMesh"];
+    let is_nanite = names.has(nanite::MESH_TYPE);
+    let traces = nanite::traced(traces, mesh_types.into_iter().find(|name| is_nanite && names.has(name)));
     Traces { setting, seasons: names.has("season"), ..traces }
 }
 

@@ -20,12 +20,13 @@ pub(super) fn of<'a>(pieces: &[&MeshPart<'a>]) -> Option<&'a Bones> {
     pieces.iter().find_map(|piece| piece.wind?.bones.as_deref())
 }
 
-/// The rig of some meshes and its animation, below `path`.
+/// The rig of some meshes and its animation, below `path`; `is_named`, with names besides paths.
 pub(super) fn write_rig(
     layer: &mut Layer<'_, '_>,
     path: &str,
     bones: &Bones,
     pieces: &[&MeshPart<'_>],
+    is_named: bool,
 ) -> Result<(), ExportError> {
     let frames = extents(bones, pieces);
     layer.lines(&samples("float3[] extent", frames.map(corners)))?;
@@ -45,11 +46,13 @@ pub(super) fn write_rig(
         paths.push(format!("{above}{}", joint.name));
     }
     let joints = listed(&|joint| format!("\"{}\"", paths[joint]));
+    let names = listed(&|joint| format!("\"{}\"", bones.joints[joint].name));
+    let names = if is_named { format!("uniform token[] jointNames = [{names}]\n") } else { String::new() };
     let bind = listed(&|joint| moved(bones.joints[joint].place));
     let rest = listed(&|joint| moved(bones.arm(joint)));
     layer.lines(&format!(
         "uniform matrix4d[] bindTransforms = [{bind}]
-uniform token[] joints = [{joints}]
+{names}uniform token[] joints = [{joints}]
 uniform token purpose = \"guide\"
 uniform matrix4d[] restTransforms = [{rest}]
 rel skel:animationSource = <{path}/Wind>"

@@ -3,7 +3,7 @@
 use super::indexed::indexed;
 use super::layer::Layer;
 use super::syntax::{quoted, tuple};
-use super::wind;
+use super::{nanite, wind};
 use linden_pipeline::scene::Mesh;
 use linden_pipeline::wind::PartWind;
 
@@ -24,6 +24,8 @@ pub(super) struct MeshPrim<'a> {
     pub material: &'a str,
     /// How it swings.
     pub wind: Option<&'a PartWind>,
+    /// The path of a `SkelRoot` with a `Rig` of one joint that all of it is bound to.
+    pub rig: Option<&'a str>,
     /// Its class (`UsdSemantics`).
     pub label: Option<&'a str>,
 }
@@ -33,7 +35,7 @@ pub(super) fn write(
     layer: &mut Layer<'_, '_>,
     distinct: &DistinctMeshes<'_>,
     piece: &MeshPart<'_>,
-    &MeshPrim { parent, name, material, wind, label }: &MeshPrim<'_>,
+    &MeshPrim { parent, name, material, wind, rig, label }: &MeshPrim<'_>,
 ) -> Result<(), ExportError> {
     let &MeshPart { ref mesh, bounds, material: named, .. } = piece;
     let material_of = distinct.materials[named].material;
@@ -51,7 +53,7 @@ color3f[] primvars:displayColor = [{}] (
         tuple(bounds.max.to_array()),
         tuple(material_of.base_color),
     );
-    let schemas = wind::schemas(wind);
+    let schemas = wind::schemas(wind, rig.is_some());
     let labelled = label.map_or("", |_| ", \"SemanticsLabelsAPI:class\"");
     layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}{labelled}]\n)"))?;
     layer.lines(&head)?;
@@ -69,7 +71,10 @@ color3f[] primvars:displayColor = [{}] (
         coordinates(layer, LIGHTMAP_TRACE, mesh, bytemuck::cast_slice(set))?;
     }
     if let Some(wind) = wind {
-        wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
+        wind::write(layer, wind, count, parent, &format!("{parent}/{name}"))?;
+    }
+    if let Some(rig) = rig {
+        nanite::write_part_binding(layer, count, rig)?;
     }
     layer.close()?;
     layer.lines("\n")

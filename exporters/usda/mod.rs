@@ -32,6 +32,8 @@ mod layer;
 mod material;
 mod materialx;
 mod mesh;
+mod nanite;
+mod nanite_wind;
 pub(crate) mod package;
 mod payload;
 pub(crate) mod payloads;
@@ -52,6 +54,7 @@ use linden_pipeline::{Monitor, Vec3};
 
 pub(crate) use self::binary::Usdc;
 use self::layer::Layer;
+use self::nanite::{NANITE, Nanite};
 use self::package::Package;
 use self::payload::Split;
 use self::plant::{Component, Head};
@@ -61,9 +64,10 @@ use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
 use crate::usdc::Names;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::instances::{self, Moving};
 use crate::writing::lightmap::{self, LIGHTMAP_UV, Sharing};
 use crate::writing::pictures::{self, NamedPicture};
-use crate::writing::{fit, instances, memory, note_asked};
+use crate::writing::{fit, memory, note_asked};
 use crate::{
     Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Gatherer, Holds, Readable, Sink, Traces,
     recipe, traces,
@@ -103,7 +107,7 @@ const PAYLOAD: OptionSpec = OptionSpec::switch(
 );
 
 /// Of a layer with its pictures beside it.
-static OPTIONS: [OptionSpec; 10] = [
+static OPTIONS: [OptionSpec; 11] = [
     OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
     OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
     INSTANCES,
@@ -114,6 +118,7 @@ static OPTIONS: [OptionSpec; 10] = [
     MOST,
     PROXY,
     PAYLOAD,
+    NANITE,
 ];
 
 static FORMAT: Format = Format {
@@ -192,6 +197,8 @@ struct Writing<'a> {
     with_instances: bool,
     with_materialx: bool,
     said: Said,
+    /// Which of Unreal's assemblies it is.
+    nanite: Option<Nanite>,
     /// Shapes for physics of each plant, and the options that they were asked for with.
     collision: Option<(Vec<Colliders>, String)>,
 }
@@ -199,16 +206,20 @@ struct Writing<'a> {
 impl<'a> Writing<'a> {
     fn new(
         stage: &'a Stage<'_>,
+        nanite: Option<Nanite>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
-        note_asked(stage, options, bundle);
         let mut distinct = DistinctMeshes::in_setting(stage, monitor)?;
         let is_ar = options.is_word("flavor", "ar");
-        let with_instances = options.is_on("instances") && !is_ar;
+        let with_instances = (options.is_on("instances") && !is_ar) || nanite.is_some();
         if with_instances {
-            instances::unbake(&mut distinct, stage, bundle, monitor)?;
+            let moving = nanite.map_or(Moving::Baked, |_| Moving::Bound);
+            instances::unbake(&mut distinct, stage, moving, bundle, monitor)?;
+        }
+        if let Some(nanite) = nanite {
+            nanite.lay_out(&mut distinct, bundle);
         }
         if options.is_on(LIGHTMAP_UV.knob.name) {
             lightmap::unwrap(&mut distinct, Sharing::None, stage, bundle, monitor)?;
@@ -219,7 +230,7 @@ impl<'a> Writing<'a> {
             let skies = stage.setting.iter().map(|setting| &setting.sky.picture);
             pictures.extend(skies.map(|sky| NamedPicture::png(SKY, sky, Wrap::Clamp)));
         }
-        let with_skeleton = options.is_on("skeleton") && !is_ar;
+        let with_skeleton = options.is_on("skeleton") && !is_ar && nanite.is_none();
         let with_materialx = options.is_on("materialx") && !is_ar;
         note_materialx(&distinct, stage, options, bundle);
         let with_proxy = options.is_on("proxy");
@@ -234,7 +245,7 @@ impl<'a> Writing<'a> {
             let first = |plant| distinct.models[distinct.model(plant, 0, 0)].scene;
             (0..distinct.plants()).map(|plant| Colliders::of(first(plant), options)).collect()
         };
-        let collision = told.filter(|_| !is_ar).map(|told| (colliders(&told), told));
+        let collision = told.filter(|_| !is_ar && nanite.is_none()).map(|told| (colliders(&told), told));
         Ok(Self {
             stage,
             distinct,
@@ -246,6 +257,7 @@ impl<'a> Writing<'a> {
             with_materialx,
             // Phones know less of USD.
             said: Said { labels: !is_ar, proxy: with_proxy },
+            nanite,
             collision,
         })
     }
@@ -330,8 +342,10 @@ fn write_beside(
     monitor: &dyn Monitor,
     write: impl FnOnce(&Writing<'_>, &mut Bundle) -> Result<(), ExportError>,
 ) -> Result<(), ExportError> {
-    let stage = &fit(stage, format, bundle);
-    let mut writing = Writing::new(stage, options, bundle, monitor)?;
+    let stage = fit(stage, format, bundle);
+    note_asked(&stage, options, bundle);
+    let (nanite, stage) = Nanite::fit(stage, options, bundle);
+    let mut writing = Writing::new(&stage, nanite, options, bundle, monitor)?;
     if !writing.pictures.is_empty() && !bundle.takes_side_files() {
         bundle.note("USD keeps pictures in files beside it: left out of a single stream, one colour instead");
         writing.pictures.clear();
@@ -339,7 +353,8 @@ fn write_beside(
     // A binary layer is held whole, in memory that grows.
     let is_binary = (format.encoding)(options) == Encoding::Binary;
     let held = if is_binary { 2 * layer_bytes(&writing, true) } else { 0 };
-    memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
+    memory::admit(&stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
+    write_wind(&writing, bundle, monitor)?;
     let mut files = Vec::with_capacity(writing.pictures.len());
     for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
         files.push(bundle.write_picture(&named.suffix, &png, monitor)?);
@@ -348,17 +363,30 @@ fn write_beside(
     write(&writing, bundle)
 }
 
+/// Writes the wind of a skeletal assembly beside it.
+fn write_wind(writing: &Writing<'_>, bundle: &mut Bundle, monitor: &dyn Monitor) -> Result<(), ExportError> {
+    let pieces: Vec<_> = writing.distinct.parts().collect();
+    let Some(bones) = bones::of(&pieces).filter(|_| writing.nanite.is_some()) else { return Ok(()) };
+    if !bundle.takes_side_files() {
+        bundle.note("nanite: the wind is a file beside it: left out of a single stream");
+        return Ok(());
+    }
+    let text = nanite_wind::describe(bones);
+    bundle.write_side(nanite_wind::SUFFIX, Some(text.len() as u64), monitor, |out| out.write(text.as_bytes()))
+}
+
 /// What a layer takes, rather more than less.
 fn layer_bytes(writing: &Writing<'_>, is_binary: bool) -> u64 {
     let distinct = &writing.distinct;
     let nodes = distinct.models.iter().map(|model| model.scene.skeleton.positions.len() as u64).sum::<u64>();
     let placements = distinct.placements() as u64;
+    let bound = nanite::bytes(distinct);
     if is_binary {
         let meshes = distinct.parts().map(binary::mesh_bytes).sum::<u64>();
-        return meshes + binary::BYTES_PER_NODE * nodes + binary::PLACEMENT_BYTES * placements;
+        return meshes + binary::BYTES_PER_NODE * nodes + binary::PLACEMENT_BYTES * placements + bound;
     }
     let meshes = distinct.parts().map(text_bytes).sum::<u64>();
-    meshes + CURVE_BYTES_PER_NODE * nodes + PLACEMENT_BYTES * placements
+    meshes + CURVE_BYTES_PER_NODE * nodes + PLACEMENT_BYTES * placements + bound
 }
 
 impl Exporter for Usdz {
@@ -395,7 +423,8 @@ impl Exporter for Usdz {
         if is_ar && (stage.setting.take().is_some() || options.is_on("instances")) {
             bundle.note("usdz.flavor=ar: scene and instances are left out, which phones refuse");
         }
-        let mut writing = Writing::new(&stage, options, bundle, monitor)?;
+        note_asked(&stage, options, bundle);
+        let mut writing = Writing::new(&stage, None, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
         let is_binary = is_binary(options);
         let layer = layer_bytes(&writing, is_binary);
@@ -461,11 +490,25 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             "def PointInstancer ",
             "def Camera ",
             "variantSet \"season\"",
+            nanite::TRACE,
             assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, collision, proxy, lightmap, _, labels, instances, camera, seasons, _] =
-        seen?;
+    let [
+        pictures,
+        materialx,
+        skeleton,
+        collision,
+        proxy,
+        lightmap,
+        _,
+        labels,
+        instances,
+        camera,
+        seasons,
+        is_nanite,
+        _,
+    ] = seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
     let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
@@ -483,6 +526,9 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         Some((shapes, most)) => traces.with("collision", shapes).with("collision_most", most),
         None => traces,
     };
+    let mesh_type = if is_nanite { traces::behind(file, nanite::TRACE)? } else { None };
+    let mesh_type = mesh_type.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
+    let traces = nanite::traced(traces, mesh_type.as_deref());
     // Without leaves it does not show.
     let traces =
         if materialx { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
@@ -553,6 +599,7 @@ fn own_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
         + lightmap::held_bytes(distinct)
         + memory::formatting(distinct)
         + 2 * instances::bytes(distinct)
+        + 2 * nanite::bytes(distinct)
         + bones::TURN_BYTES * (0..distinct.plants()).map(turns).max().unwrap_or(0)
 }
 
@@ -575,7 +622,9 @@ fn head<'a>(writing: &'a Writing<'_>, prim: &'a str, component: &Component<'_>) 
         prim,
         name: &writing.stage.name,
         recipe: &writing.stage.recipe,
-        kind: "component",
+        // Unreal makes one mesh of all within a component.
+        kind: if writing.nanite.is_some() { "group" } else { "component" },
+        nanite: writing.nanite,
         variants: component.variants(),
         bounds: component.bounds(),
         is_labelled: writing.said.labels,

@@ -36,7 +36,8 @@ pub(super) struct Split {
 impl Split {
     /// `None` where it is not asked for, or cannot be: then that is noted.
     pub fn of(writing: &Writing<'_>, suffix: &str, options: &Options, bundle: &mut Bundle) -> Option<Self> {
-        if !options.is_on("payload") {
+        // That is noted elsewhere.
+        if !options.is_on("payload") || writing.nanite.is_some() {
             return None;
         }
         if !bundle.takes_side_files() {

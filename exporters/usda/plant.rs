@@ -7,11 +7,13 @@ use std::collections::BTreeMap;
 
 use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::Bounds;
+use linden_pipeline::wind::{Binding, Bones};
 
 use super::layer::Layer;
 use super::mesh::MeshPrim;
+use super::nanite::Nanite;
 use super::syntax::{Names, quoted, tuple};
-use super::{Writing, collision, instancer, material, mesh, skeleton, wind};
+use super::{Writing, bones, collision, instancer, material, mesh, nanite, skeleton, wind};
 use crate::writing::distinct::{MeshPart, PlantModel};
 use crate::{ExportError, GENERATOR};
 
@@ -25,6 +27,8 @@ pub(super) struct Head<'a> {
     pub recipe: &'a str,
     /// `component`, `assembly`.
     pub kind: &'a str,
+    /// Which of Unreal's assemblies it is.
+    pub nanite: Option<Nanite>,
     /// Sets of variants that the prim itself has, and what is chosen of all there are.
     pub variants: Variants,
     /// The box of all that it may show: browsers of assets see it without reading a mesh.
@@ -81,6 +85,7 @@ impl Head<'_> {
         let schemas: Vec<&str> = [
             self.bounds.map(|_| "\"GeomModelAPI\""),
             self.is_labelled.then_some("\"SemanticsLabelsAPI:class\""),
+            self.nanite.map(|_| "\"NaniteAssemblyRootAPI\""),
         ]
         .into_iter()
         .flatten()
@@ -126,6 +131,9 @@ impl Head<'_> {
         }
         if self.is_labelled {
             layer.lines(&format!("{LABELS_TRACE}[\"{CLASS}\", {name}]"))?;
+        }
+        if let Some(nanite) = self.nanite {
+            layer.lines(&nanite.of_root(&format!("/{prim}")))?;
         }
         layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}"))?;
         if let Some([x, y, z]) = self.foot_in_file {
@@ -188,6 +196,9 @@ impl<'a> Component<'a> {
 
     /// Everything within its prim.
     pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        if self.writing.nanite.is_some() {
+            return self.nanite(layer);
+        }
         let (levels, seasons) = (self.levels(), self.seasons());
         let geometry = format!("{}/Geometry", self.path);
         let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.parts).collect();
@@ -233,6 +244,28 @@ impl<'a> Component<'a> {
         if let Some((colliders, told)) = &self.writing.collision {
             collision::write(layer, &colliders[self.plant], told)?;
         }
+        self.materials(layer)
+    }
+
+    /// Everything within the prim of an assembly: one level in one season.
+    fn nanite(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        let (copies, base): (Vec<_>, Vec<_>) = self.all_year(0).partition(|piece| piece.copies.is_some());
+        let geometry = self.geometry();
+        if let Some(bones) = bones::of(&base) {
+            layer.open("def SkelRoot \"Geometry\" (\n    kind = \"component\"\n)")?;
+            wind::rest_extent(layer, &base)?;
+            bones::write_rig(layer, &geometry.path, bones, &base, true)?;
+            self.parts(layer, &base, &geometry, &mut Names::default())?;
+            layer.close()?;
+            layer.lines("\n")?;
+        }
+        // Right below the root, as instancers are looked for there.
+        let below = Below { path: self.path.clone(), is_still: false };
+        self.parts(layer, &copies, &below, &mut Names::default())?;
+        self.materials(layer)
+    }
+
+    fn materials(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
         layer.open("def Scope \"Materials\"")?;
         for (&look, name) in &self.materials {
             let look = &self.writing.distinct.materials[look];
@@ -324,15 +357,59 @@ impl<'a> Component<'a> {
         let mut names = Names::default();
         let paths: Vec<String> =
             pieces.iter().map(|piece| format!("{path}/{}", names.unique(&self.full_name(piece)))).collect();
-        layer.open(&format!("def PointInstancer \"{name}\""))?;
+        let bindings: Vec<Binding> = stands().flat_map(|copies| copies.bindings.iter().copied()).collect();
+        let bones = self.bones().filter(|_| bindings.len() == placed.len());
+        let schemas =
+            bones.map_or("", |_| " (\n    prepend apiSchemas = [\"NaniteAssemblySkelBindingAPI\"]\n)");
+        layer.open(&format!("def PointInstancer \"{name}\"{schemas}"))?;
         instancer::write(layer, bounds, &paths, &placed)?;
+        if let Some(bones) = bones {
+            nanite::write_bindings(layer, &bindings, bones)?;
+        }
         layer.open("def Scope \"Prototypes\"")?;
         let mut names = Names::default();
         let below = Below { path, ..*below };
-        pieces.iter().try_for_each(|piece| self.mesh(layer, piece, &below, &mut names))?;
+        for piece in pieces {
+            if self.writing.nanite.is_some() {
+                self.nanite_part(layer, piece, &names.unique(&self.full_name(piece)), &below)?;
+            } else {
+                self.mesh(layer, piece, &below, &mut names)?;
+            }
+        }
         layer.close()?;
         layer.close()?;
         layer.lines("\n")
+    }
+
+    /// A part of an assembly, as an Xform called `name`: in a skeletal one a skeletal mesh of one joint.
+    fn nanite_part(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        piece: &MeshPart<'_>,
+        name: &str,
+        below: &Below,
+    ) -> Result<(), ExportError> {
+        let mut path = format!("{}/{name}", below.path);
+        layer.open(&format!("def Xform \"{name}\""))?;
+        let is_skeletal = self.writing.nanite == Some(Nanite::Skeletal);
+        if is_skeletal {
+            path += "/Part";
+            layer.open("def SkelRoot \"Part\"")?;
+            layer.lines(&format!("float3[] extent = {}", wind::corners(piece.bounds)))?;
+            nanite::write_part_rig(layer, &path)?;
+        }
+        let rig = is_skeletal.then_some(path.as_str());
+        self.mesh_with(layer, piece, &Below { path: path.clone(), ..*below }, &mut Names::default(), rig)?;
+        if is_skeletal {
+            layer.close()?;
+        }
+        layer.close()?;
+        layer.lines("\n")
+    }
+
+    /// The joints of the plant.
+    fn bones(&self) -> Option<&'a Bones> {
+        self.model(0, 0).parts.iter().find_map(|piece| piece.wind?.bones.as_deref())
     }
 
     /// A mesh below a prim.
@@ -343,6 +420,18 @@ impl<'a> Component<'a> {
         below: &Below,
         names: &mut Names,
     ) -> Result<(), ExportError> {
+        self.mesh_with(layer, piece, below, names, None)
+    }
+
+    /// The same, bound to the joint of a `rig`.
+    fn mesh_with(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        piece: &MeshPart<'_>,
+        below: &Below,
+        names: &mut Names,
+        rig: Option<&str>,
+    ) -> Result<(), ExportError> {
         let material = self.materials.get(&piece.material).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
         let name = names.unique(&self.full_name(piece));
@@ -351,6 +440,7 @@ impl<'a> Component<'a> {
             name: &name,
             material: &binding,
             wind: piece.wind.filter(|_| !below.is_still),
+            rig,
             label: self.writing.said.labels.then_some(&*piece.name),
         };
         mesh::write(layer, &self.writing.distinct, piece, &prim)

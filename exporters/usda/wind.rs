@@ -33,6 +33,11 @@ pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>])
         return layer.open("def Scope \"Geometry\"");
     }
     layer.open("def SkelRoot \"Geometry\"")?;
+    rest_extent(layer, pieces)
+}
+
+/// The extent of a `SkelRoot` at rest.
+pub(super) fn rest_extent(layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>]) -> Result<(), ExportError> {
     let Some(rest) = at_rest(pieces) else { return Ok(()) };
     layer.lines(&format!("float3[] extent = {}", corners(rest)))
 }
@@ -70,7 +75,7 @@ pub(super) fn write_rig(
     pieces: &[&MeshPart<'_>],
 ) -> Result<(), ExportError> {
     if let Some(bones) = bones::of(pieces) {
-        return bones::write_rig(layer, path, bones, pieces);
+        return bones::write_rig(layer, path, bones, pieces, false);
     }
     let motions = motions(pieces);
     let frames = extent::of_frames(pieces, sway);
@@ -118,24 +123,26 @@ pub(super) fn time(sway: &Sway) -> String {
     )
 }
 
-/// The schemas that a mesh has.
-pub(super) fn schemas(wind: Option<&PartWind>) -> &'static str {
-    if wind.is_some_and(|wind| !wind.targets.is_empty() || wind.bones.is_some()) {
+/// The schemas that a mesh has, also where a joint holds all of it.
+pub(super) fn schemas(wind: Option<&PartWind>, has_rig: bool) -> &'static str {
+    if has_rig || wind.is_some_and(|wind| !wind.targets.is_empty() || wind.bones.is_some()) {
         r#""MaterialBindingAPI", "SkelBindingAPI""#
     } else {
         r#""MaterialBindingAPI""#
     }
 }
 
-/// What a mesh has of wind; `geometry` is the path of what carries it, `mesh` its own.
+/// What a mesh of `count` vertices has of wind; `geometry` is the path of what carries it, `mesh` its own.
 pub(super) fn write(
     layer: &mut Layer<'_, '_>,
     wind: &PartWind,
+    count: usize,
     geometry: &str,
     mesh: &str,
 ) -> Result<(), ExportError> {
     if wind.bones.is_some() {
-        return bones::write_bindings(layer, &wind.bindings, geometry);
+        // Copies behind the mesh's own vertices may have been taken off.
+        return bones::write_bindings(layer, &wind.bindings[..count.min(wind.bindings.len())], geometry);
     }
     primvar(layer, "float4[] primvars:wind", &wind.motions)?;
     primvar(layer, "float4[] primvars:windPivot", &wind.pivots)?;

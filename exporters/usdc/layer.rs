@@ -225,6 +225,7 @@ impl<'m> Crate<'m> {
             "kind" => named("kind")(values.token_value(&read.text()?)),
             "interpolation" => named("interpolation")(values.token_value(&read.text()?)),
             "colorSpace" => named("colorSpace")(values.token_value(&read.text()?)),
+            "elementSize" => named("elementSize")(Values::inlined(number::INT, read.word()?.parse().ok()?)),
             "instanceable" => named("instanceable")(Values::inlined(1, u32::from(read.word()? == "true"))),
             "metersPerUnit" => self.double(read).and_then(named("metersPerUnit")),
             "startTimeCode" => self.double(read).and_then(named("startTimeCode")),

@@ -14,7 +14,7 @@ use linden_pipeline::Vec2;
 use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::{Bounds, Material, Mesh, Scene};
 use linden_pipeline::stage::{Ground, Place, Sky, Stage};
-use linden_pipeline::wind::PartWind;
+use linden_pipeline::wind::{Binding, PartWind};
 
 use super::names::identifier;
 use super::validate;
@@ -101,6 +101,8 @@ pub struct MeshCopies<'a> {
     pub placements: Vec<Placement>,
     /// Around the boxes of all copies.
     pub seen: Bounds,
+    /// By placement: the joints that move it, as far as copies that move are wanted.
+    pub bindings: Vec<Binding>,
 }
 
 /// A material under a name that no other has.
@@ -223,7 +225,8 @@ impl<'a> DistinctMeshes<'a> {
                 let part = distinct.around(&patch.name, &patch.mesh, &patch.material, monitor)?;
                 let placements = patch.placements.clone();
                 let seen = patch.bounds().unwrap_or(part.bounds);
-                let copies = Some(MeshCopies { part: patch.kind.name(), placements, seen });
+                let copies =
+                    Some(MeshCopies { part: patch.kind.name(), placements, seen, bindings: Vec::new() });
                 distinct.cover.push(MeshPart { copies, ..part });
             }
             distinct.ground = Some(distinct.around("Ground", mesh, material, monitor)?);

@@ -13,17 +13,28 @@ use linden_pipeline::stage::Stage;
 use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 use crate::{Bundle, ExportError};
 
+/// What becomes of foliage that moves in the wind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    /// It stays as it is, copy by copy in one mesh.
+    Baked,
+    /// It is instances too, each with the joints that it is bound to.
+    Bound,
+}
+
 /// Puts instances in the place of baked foliage, where a plant stands alone: in a forest the trees
-/// themselves are the instances. What moves in the wind stays as it is.
+/// themselves are the instances.
 ///
 /// # Errors
 /// [`ExportError::Memory`] and [`ExportError::Cancelled`].
 pub fn unbake(
     distinct: &mut DistinctMeshes<'_>,
     stage: &Stage<'_>,
+    moving: Moving,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
 ) -> Result<(), ExportError> {
+    let stays = |part: &Part| part.wind.is_some() && moving == Moving::Baked;
     if !stage.is_single() {
         return Ok(());
     }
@@ -32,10 +43,10 @@ pub fn unbake(
     if in_parts(distinct).next().is_none() {
         bundle.note("instances: nothing on this plant stands in many places");
     }
-    if in_parts(distinct).any(|(part, _)| part.wind.is_some()) {
+    if in_parts(distinct).any(|(part, _)| stays(part)) {
         bundle.note("instances: leaves that move in the wind are written one by one");
     }
-    if in_parts(distinct).any(|(part, instances)| part.wind.is_none() && instances.has_dome_normals()) {
+    if in_parts(distinct).any(|(part, instances)| !stays(part) && instances.has_dome_normals()) {
         bundle.note(
             "instances: leaves have the normals of their own faces; those that point out of the crown \
              (leaf_normals=dome) differ from copy to copy",
@@ -46,7 +57,7 @@ pub fn unbake(
         for (part, piece) in model.scene.parts.iter().zip(std::mem::take(&mut model.parts)) {
             monitor.check()?;
             match &part.instances {
-                Some(instances) if part.wind.is_none() => split(part, instances, piece, &mut pieces),
+                Some(instances) if !stays(part) => split(part, instances, piece, &mut pieces),
                 _ => pieces.push(piece),
             }
         }
@@ -85,7 +96,8 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, piec
         let bounds = mesh.bounds().unwrap_or(piece.bounds);
         pieces.push(MeshPart { mesh: Cow::Owned(mesh), bounds, ..piece });
     }
-    for Copies { name, mesh, placements } in copies {
+    let bindings = part.wind.as_ref().map_or(&[][..], |wind| &wind.bindings);
+    for Copies { name, mesh, placements, firsts } in copies {
         let Some(bounds) = mesh.bounds() else { continue };
         let Some(seen) = Placement::bounds(&placements, bounds) else { continue };
         pieces.push(MeshPart {
@@ -94,7 +106,17 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, piec
             bounds,
             material,
             wind: None,
-            copies: Some(MeshCopies { part: &part.name, placements, seen }),
+            copies: Some(MeshCopies {
+                part: &part.name,
+                placements,
+                seen,
+                // All of a copy goes with the twig that bears it.
+                bindings: firsts
+                    .iter()
+                    .filter_map(|first| bindings.get(vertices + *first as usize))
+                    .copied()
+                    .collect(),
+            }),
             lightmap: None,
         });
     }

@@ -90,6 +90,31 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
             ],
             "lightmap_uv: ",
         ),
+        (
+            &["export", "simple", "-o", "x.usda", "--wind=bones", "--set", "usda.nanite=static"],
+            "nanite=static: wind is left out",
+        ),
+        (
+            &["export", "simple", "-o", "x.usda", "--lods", "2", "--set", "usda.nanite=static"],
+            "nanite: the finest level alone",
+        ),
+        (
+            &[
+                "export",
+                "simple",
+                "-o",
+                "x.usda",
+                "--set",
+                "usda.nanite=static",
+                "--set",
+                "usda.collision=hull",
+            ],
+            "collision is left out: a Nanite assembly",
+        ),
+        (
+            &["export", "simple", "-o", "x.usda", "--set", "usda.nanite=skeletal"],
+            "nanite=skeletal: there are no joints, and it is written as nanite=static; add --wind=bones",
+        ),
     ] {
         let said = fine(run(&folder, args));
         assert!(notes(&said).iter().any(|line| line.starts_with(note)), "{args:?}: {}", said.err);

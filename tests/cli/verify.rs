@@ -51,6 +51,8 @@ fn every_format_and_option_is_seen_and_gives_the_same_bytes() {
         ("gltf", &["gltf.wind_as=pivot-painter", "wind=sway"]),
         ("usda", &["usda.lightmap_uv=true", "usda.proxy=true", "lods=2"]),
         ("usdc", &["wind=bones"]),
+        ("usda", &["usda.nanite=skeletal", "wind=bones"]),
+        ("usdc", &["usdc.nanite=static", "usdc.lightmap_uv=true"]),
         ("usda", &[]),
         ("usda", &["usda.pictures=false", "usda.skeleton=false", "lods=2"]),
         ("usda", &["usda.instances=true"]),

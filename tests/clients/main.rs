@@ -14,6 +14,7 @@ mod foliage;
 mod instances;
 mod mat;
 mod mtg;
+mod nanite;
 mod numbers;
 mod organs;
 mod outside;

@@ -26,6 +26,8 @@ pub struct Copies<'a> {
     pub mesh: &'a Mesh,
     /// At least one, in the order of the baked copies.
     pub placements: Vec<Placement>,
+    /// By placement: the first vertex of the baked copy, among those of all copies of the part, which lie copy by copy.
+    pub firsts: Vec<u32>,
 }
 
 /// Where a copy stands: scaled, turned, then moved.
@@ -74,13 +76,23 @@ impl Instances {
         let DressedOrgans { organs, shapes, .. } = &self.dressed;
         let placed = &organs.placed;
         let meshes = PROTOTYPES.len() + shapes.len();
-        let mut placements: Vec<Vec<Placement>> = vec![Vec::new(); meshes];
+        let sizes: Vec<u32> = PROTOTYPES
+            .iter()
+            .map(linden_skeleton::organs::Prototype::mesh)
+            .chain(shapes.iter().map(|shape| &shape.mesh))
+            .map(|mesh| mesh.positions.len() as u32)
+            .collect();
+        let mut places: Vec<(Vec<Placement>, Vec<u32>)> = vec![Default::default(); meshes];
+        let mut vertices = 0;
         for (organ, &prototype) in placed.prototypes.iter().enumerate() {
             if self.look_of(organ) != self.look {
                 continue;
             }
-            if let Some(of) = placements.get_mut(usize::from(prototype)) {
-                of.push(Placement::of_placed(placed, organ));
+            let prototype = usize::from(prototype);
+            if let Some((placements, firsts)) = places.get_mut(prototype) {
+                placements.push(Placement::of_placed(placed, organ));
+                firsts.push(vertices);
+                vertices += sizes[prototype];
             }
         }
         let shapes = (1..).zip(shapes.iter()).map(|(number, variant)| {
@@ -90,14 +102,14 @@ impl Instances {
         let named =
             PROTOTYPES.iter().map(|prototype| (prototype.name.to_owned(), prototype.mesh())).chain(shapes);
         named
-            .zip(placements)
-            .filter(|((_, mesh), places)| !places.is_empty() && !mesh.triangles.is_empty())
-            .map(|((name, mesh), placements)| Copies { name, mesh, placements })
+            .zip(places)
+            .filter(|((_, mesh), (places, _))| !places.is_empty() && !mesh.triangles.is_empty())
+            .map(|((name, mesh), (placements, firsts))| Copies { name, mesh, placements, firsts })
             .collect()
     }
 
-    /// Bytes of a [`Placement`].
-    pub const BYTES: u64 = bytes_of::<Placement>(1);
+    /// Bytes of a [`Placement`], and of which vertex its copy begins with.
+    pub const BYTES: u64 = bytes_of::<(Placement, u32)>(1);
 
     /// No fewer copies than there are.
     pub fn most(&self) -> usize {

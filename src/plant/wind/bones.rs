@@ -34,6 +34,8 @@ pub struct Joint {
     pub parent: Option<usize>,
     /// Where it is at rest, metres.
     pub place: Vec3,
+    /// The order of its axis: 0 of a stem, one more on each branching. The ground has that of stems.
+    pub order: u32,
 }
 
 /// The joints of a tree and how they turn over the loop. The first is the ground: it never moves, and all others hang
@@ -77,6 +79,28 @@ impl Bones {
         (0..self.sway.frames()).any(|frame| self.turn(joint, frame) != Quat::IDENTITY)
     }
 
+    /// How far the axes of an order bend at most, from their first joint to their last: angles between joints, added up,
+    /// in the frame where this is most; on average over those that have joints. By order, radians.
+    pub fn bends_rad(&self) -> Vec<f32> {
+        let orders = self.joints.iter().map(|joint| joint.order as usize + 1).max().unwrap_or(0);
+        let mut sums = vec![(0.0, 0); orders];
+        let mut first = 0;
+        while first < self.joints.len() {
+            let goes_on = |next: &usize| {
+                let Joint { parent, order, .. } = self.joints[*next];
+                parent == Some(next - 1) && order == self.joints[first].order
+            };
+            let last = (first + 1..self.joints.len()).take_while(goes_on).last().unwrap_or(first);
+            let bend = |frame| (first..=last).map(|joint| angle_rad(self.turn(joint, frame))).sum::<f32>();
+            let most = (0..self.sway.frames()).map(bend).fold(0.0, f32::max);
+            let (sum, axes) = &mut sums[self.joints[first].order as usize];
+            *sum += most;
+            *axes += 1;
+            first = last + 1;
+        }
+        sums.into_iter().map(|(sum, axes)| sum / (axes.max(1) as f32)).collect()
+    }
+
     /// Where a joint is from its parent, at rest and ever after, metres.
     pub fn arm(&self, joint: usize) -> Vec3 {
         let Joint { parent, place, .. } = self.joints[joint];
@@ -97,6 +121,11 @@ impl Bones {
     pub fn bytes(&self) -> u64 {
         bytes_of::<Quat>(self.turns.capacity()) + bytes_of::<(Joint, [u8; 16])>(self.joints.capacity())
     }
+}
+
+/// By how much something turns.
+fn angle_rad(turn: Quat) -> f32 {
+    2.0 * libm::atan2f(turn.xyz().length(), turn.w.abs())
 }
 
 impl PartWind {

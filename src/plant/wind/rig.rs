@@ -54,7 +54,8 @@ impl Rig {
             .filter(|&axis| whole.axes[axis].parent == NO_PARENT)
             .map(|axis| field.axes[axis].pivot)
             .reduce(|low, foot| if foot.y < low.y { foot } else { low });
-        let root = Joint { name: "joint".to_owned(), parent: None, place: ground.unwrap_or_default() };
+        let place = ground.unwrap_or_default();
+        let root = Joint { name: "joint".to_owned(), parent: None, place, order: 0 };
         let bones = Bones { joints: vec![root], sway: Arc::clone(sway), turns: Vec::new() };
         let mut rig = Self { bones: Arc::new(bones.clone()), holds: Vec::with_capacity(counts.len()) };
         let mut joints = bones.joints;
@@ -70,7 +71,7 @@ impl Rig {
             for (number, &place) in places.iter().enumerate() {
                 let parent = if number == 0 { usize::from(foot[0].0) } else { joints.len() - 1 };
                 let name = format!("joint_{axis}_{number}");
-                joints.push(Joint { name, parent: Some(parent), place });
+                joints.push(Joint { name, parent: Some(parent), place, order: whole.axes[axis].order });
                 let next = places.get(number + 1).copied().unwrap_or(tip);
                 looks.push((next, field.axes[axis].moved(next)));
             }

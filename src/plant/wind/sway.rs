@@ -42,6 +42,11 @@ impl Sway {
         self.frames
     }
 
+    /// How much gusts come and go, 0 to 1.
+    pub const fn gustiness(&self) -> f64 {
+        self.gustiness
+    }
+
     /// Frames in a second.
     pub const fn frames_per_second(&self) -> u32 {
         FRAMES_PER_SECOND
