@@ -7,6 +7,7 @@ use crate::program::Folder;
 
 /// As `tests/clients/impostor.py` says: Chromium beside a rasterizer of its own, and shaders that are broken.
 #[test]
+#[ignore = "needs Chromium: cargo test -p linden-cli --test cli -- impostor --ignored"]
 fn the_viewer_shows_the_plant_from_all_sides() {
     let clients = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().join("clients");
     assert!(

@@ -1,8 +1,7 @@
 #!/bin/sh
 # Installs the programs that read our files (see requirements.txt and package.json) into the build
 # directory, once: tests/clients/setup.sh
-# Needs python3 (3.10 to 3.13) with venv, Chromium ($CHROMIUM, or one in the path), and the network; brings Node.js along where it is
-# missing.
+# Needs python3 (3.10 to 3.13) with venv, and the network; brings Node.js along where it is missing.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 fail() { echo "setup.sh: $1" >&2; exit 1; }
@@ -11,10 +10,6 @@ command -v cargo >/dev/null || fail "cargo is missing"
 command -v python3 >/dev/null || fail "python3 is missing: install Python 3.10 or newer"
 python3 -c 'import venv, ensurepip' 2>/dev/null ||
     fail "python3 lacks the venv module: install it (Debian, Ubuntu: apt install python3-venv)"
-for chromium in "${CHROMIUM:-}" chromium chromium-browser google-chrome google-chrome-stable ''; do
-    [ -z "$chromium" ] || ! command -v "$chromium" >/dev/null || break
-done
-[ -n "$chromium" ] || fail "Chromium is missing: install it (Debian: apt install chromium), or name one in \$CHROMIUM"
 
 target=$(cd "$here" && cargo metadata --format-version 1 --no-deps |
     python3 -c 'import json, sys; print(json.load(sys.stdin)["target_directory"])')
