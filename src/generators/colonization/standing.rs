@@ -171,7 +171,7 @@ impl Standing {
         let whole = Stance::below(envelope.entry(monitor)?, foot.y, height);
         let Stance { root, trunk_m } = whole;
         let shells = envelope.shells(monitor)?;
-        let standing = Self { notes, trunk_m, whole, ..Self::of(Box::new(envelope), 0.0, root, foot) };
+        let standing = Self { trunk_m, whole, notes, ..Self::of(Box::new(envelope), 0.0, root, foot) };
         standing.with_shells(shells, settings, monitor)
     }
 
