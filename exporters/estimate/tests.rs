@@ -88,7 +88,7 @@ fn all_off(what: &str, recipe: &Recipe) -> Vec<String> {
         let most = if triangles > LARGE { 1 } else { usize::MAX };
         for options in all_options(format).into_iter().take(most) {
             let write = |stage: &Stage<'_>| -> u64 {
-                let mut bundle = Bundle::create(&target).unwrap().unsynced();
+                let mut bundle = Bundle::create(&target).unwrap();
                 exporter.write(stage, &options, &mut bundle, &Quiet).unwrap();
                 bundle.commit().unwrap().iter().map(|file| file.bytes).sum()
             };
