@@ -26,8 +26,8 @@ pub(super) struct Layout {
     pub accessors: Vec<Accessor>,
     /// As many as [`DistinctMeshes::parts`].
     pub primitives: Vec<PrimitiveArrays>,
-    /// By primitive: the first that has the same arrays, where they lie.
-    firsts: Vec<usize>,
+    /// By primitive: the one whose arrays it has, itself or an earlier one.
+    arrays_of: Vec<usize>,
     /// Where vertices are in fewer bits.
     pub quanta: Option<Quanta>,
     /// By view: what it consists of.
@@ -109,7 +109,7 @@ impl Layout {
             views: Vec::new(),
             accessors: Vec::new(),
             primitives: Vec::new(),
-            firsts: distinct.first_of_year(),
+            arrays_of: distinct.first_alike(),
             quanta: quantize.then(|| Quanta::new(distinct, pictures)),
             items: Vec::new(),
             blobs: Vec::new(),
@@ -124,7 +124,7 @@ impl Layout {
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
         for ((piece, plant), motions) in distinct.parts().zip(plants).zip(wind::motions(stage, distinct)) {
-            let earlier = layout.firsts[layout.primitives.len()];
+            let earlier = layout.arrays_of[layout.primitives.len()];
             if let Some(same) = layout.primitives.get(earlier) {
                 layout.primitives.push(same.clone());
                 continue;
@@ -452,7 +452,7 @@ impl Layout {
             return packed.write(out);
         }
         for (index, (piece, primitive)) in distinct.parts().zip(&self.primitives).enumerate() {
-            if self.firsts[index] != index {
+            if self.arrays_of[index] != index {
                 continue;
             }
             match primitive.packing {

@@ -48,13 +48,14 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let is_quantized = options.is_on("quantize") && amounts.wind != Wind::Sway;
     // Texture coordinates stay whole where no picture is seen.
     let plain = if has_pictures { plain_vertices } else { vertices };
-    // Twelve bytes a vertex where they are packed, eight where they name texels (four with fewer bits), in place of two vectors of sixteen.
-    let (vector, texels) = match () {
-        () if options.is_word("wind_as", "packed") => (6, 0),
-        () if options.is_word("wind_as", "pivot-painter") && amounts.wind_vectors() > 0 => {
-            (if is_quantized { 2 } else { 4 }, TEXEL * amounts.axes)
-        }
-        () => (16, 0),
+    // Twelve bytes a vertex where they are packed, eight where they name texels (four with fewer bits), in place of two
+    // vectors of sixteen.
+    let (vector, texels) = if options.is_word("wind_as", "packed") {
+        (6, 0)
+    } else if options.is_word("wind_as", "pivot-painter") && amounts.wind_vectors() > 0 {
+        (if is_quantized { 2 } else { 4 }, TEXEL * amounts.axes)
+    } else {
+        (16, 0)
     };
     let moved = vector * amounts.wind_vectors() + 12 * amounts.target_vectors();
     // What each vertex is bound to, and the turns of each joint: of four numbers, in halves with fewer bits.

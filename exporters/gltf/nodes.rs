@@ -216,8 +216,7 @@ impl Graph<'_> {
         let mut arrays = arrays.iter();
         for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
-            for index in 0..self.distinct.seasons(plant) * levels {
-                let model = &self.distinct.models[self.distinct.model(plant, 0, 0) + index];
+            for (index, model) in self.distinct.models_of(plant).iter().enumerate() {
                 let in_season = self.season(plant, index / levels).map(|season| format!("_{season}"));
                 let suffix = in_season.unwrap_or_default() + &suffix(index % levels, levels);
                 // All parts of a plant have the same.

@@ -93,23 +93,7 @@ fn flatten<'t>(value: &Literal<'t>, words: &mut Vec<&'t str>) -> Option<()> {
 
 /// A float in 16 bits (IEEE 754 binary16), the nearest, of two the even one.
 pub(super) fn half(x: f32) -> u16 {
-    let bits = x.to_bits();
-    let sign = ((bits >> 16) & 0x8000) as u16;
-    let magnitude = f32::from_bits(bits & 0x7fff_ffff);
-    if magnitude.is_nan() {
-        return sign | 0x7e00;
-    }
-    if magnitude >= 65520.0 {
-        return sign | 0x7c00;
-    }
-    // Below 2^-14 all numbers are multiples of 2^-24.
-    if magnitude < f32::from_bits(0x3880_0000) {
-        return sign | libm::rintf(magnitude * 16_777_216.0) as u16;
-    }
-    let bits = magnitude.to_bits() - (112 << 23);
-    let (kept, lost) = (bits >> 13, bits & 0x1fff);
-    let up = lost > 0x1000 || (lost == 0x1000 && kept & 1 == 1);
-    sign | (kept as u16 + u16::from(up))
+    half::f16::from_f32(x).to_bits()
 }
 
 #[cfg(test)]

@@ -152,12 +152,14 @@ impl MeshPart<'_> {
             == other.copies.as_ref().map(|copies| &copies.placements)
     }
 
-    /// Whether a reader would see no difference, whatever season each is of.
+    /// Whether a file needs one of both alone, whatever season each is of: they stand, swing and are lit alike.
     pub fn is_same(&self, other: &Self) -> bool {
         self.name == other.name
             && self.material == other.material
             && self.is_placed_as(other)
             && (std::ptr::eq(&raw const *self.mesh, &raw const *other.mesh) || self.mesh == other.mesh)
+            && self.wind == other.wind
+            && self.lightmap == other.lightmap
     }
 
     /// The part that it is copies of, if it is.
@@ -311,12 +313,12 @@ impl<'a> DistinctMeshes<'a> {
         self.models.iter().flat_map(|model| &model.parts).chain(self.surroundings())
     }
 
-    /// For each of [`DistinctMeshes::parts`] the first that is the same in another season: itself, but for what does not
+    /// For each of [`DistinctMeshes::parts`] the first that is the same, of any season: itself, but for what does not
     /// change over the year.
-    pub fn first_of_year(&self) -> Vec<usize> {
+    pub fn first_alike(&self) -> Vec<usize> {
         let counts: Vec<usize> = self.models.iter().map(|model| model.parts.len()).collect();
         let first_part = |model: usize| counts[..model].iter().sum::<usize>();
-        let mut firsts: Vec<usize> = (0..self.parts().count()).collect();
+        let mut alike: Vec<usize> = (0..self.parts().count()).collect();
         for plant in 0..self.plants() {
             for (season, level) in
                 (1..self.seasons(plant)).flat_map(|s| (0..self.levels(plant)).map(move |l| (s, l)))
@@ -328,11 +330,11 @@ impl<'a> DistinctMeshes<'a> {
                         let at = self.models[earlier].parts.iter().position(|other| other.is_same(piece))?;
                         Some(first_part(earlier) + at)
                     });
-                    firsts[index] = found.unwrap_or(index);
+                    alike[index] = found.unwrap_or(index);
                 }
             }
         }
-        firsts
+        alike
     }
 
     /// What stands round the plants: cover of the ground, ground, sky.

@@ -3,22 +3,11 @@
 //! After "`OpenEXR` File Layout" (Academy Software Foundation): a header of attributes, where each line begins, and the
 //! lines, channel by channel. Written here because the whole of it is shorter than what a crate for it would bring.
 
-/// The least exponent of a half that is not subnormal: 2^-14.
-const LEAST_NORMAL: f32 = 6.103_515_6e-5;
-/// The largest half.
-const LARGEST: f32 = 65504.0;
+use half::f16;
 
 /// A number as the nearest half (IEEE 754 binary16), of two equally near the even one; what is too large as the largest.
 pub(crate) fn half(x: f32) -> u16 {
-    let bits = x.clamp(-LARGEST, LARGEST).to_bits();
-    let (sign, size) = ((bits >> 16) as u16 & 0x8000, bits & 0x7fff_ffff);
-    if f32::from_bits(size) < LEAST_NORMAL {
-        // Steps of 2^-24.
-        return sign | libm::rintf(f32::from_bits(size) * 16_777_216.0) as u16;
-    }
-    // Exponents count from 15 in place of 127; a half up, or less where the last bit that stays is even.
-    let rounded = size - (112 << 23) + 0x0fff + (size >> 13 & 1);
-    sign | (rounded >> 13) as u16
+    f16::from_f32(x).clamp(f16::MIN, f16::MAX).to_bits()
 }
 
 /// A picture of halfs as bits, red, green, blue and alpha; rows from the top.

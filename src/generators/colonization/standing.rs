@@ -57,7 +57,7 @@ fn off_ground(base_m: f64, height_m: f64) -> Option<String> {
         None => return None,
     };
     Some(format!(
-        "the envelope's lowest point is {from:.2} m {way} the ground of its file, and the tree stands there: origin=root moves it onto the ground, root=x,y,z names another place"
+        "the envelope's lowest point is {from:.2} m {way} the ground of its file, and the tree stands at that height: origin=root moves it onto the ground, root=x,y,z names another place"
     ))
 }
 
