@@ -44,6 +44,11 @@ pub trait Generator: Sync {
     /// turned before the others, wherever it stands in a document: it may decide which others there are.
     fn knobs(&self) -> Vec<Knob>;
 
+    /// Whether documents may declare knobs of numbers of their own in its table, which [`Settings::knobs`] have then too.
+    fn takes_own_knobs(&self) -> bool {
+        false
+    }
+
     /// What its table holds besides knobs.
     fn keys(&self) -> &'static [TableKey];
 
@@ -166,8 +171,14 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
     /// The generator that they are for.
     fn generator(&self) -> &'static dyn Generator;
 
-    /// The knobs that these settings have, with their values: some of [`Generator::knobs`], in that order.
+    /// The knobs that these settings have, with their values: some of [`Generator::knobs`], in that order, and behind them
+    /// those that the document declared.
     fn knobs(&self) -> Vec<(Knob, Value)>;
+
+    /// Whether a knob's value is what [`Settings::written`] says already, so that documents need not name the knob.
+    fn is_written(&self, _knob: &str) -> bool {
+        false
+    }
 
     /// Turns a knob to a value that its kind has checked; whether these settings have such a knob.
     fn set(&mut self, knob: &str, value: Value) -> bool;

@@ -169,7 +169,7 @@ fn mistakes_of_the_command_line_are_said_before_anything_grows() {
         (&["--define", "r11=0.5"][..], "did you mean 'r1'?"),
         (&["--define", "r1=0.5:0.9"], "has no step"),
         (&["--define", "r1=0.5:0.9:0"], "never comes from"),
-        (&["--define", "r1=x"], "unknown name 'x'"),
+        (&["--define", "r1=x"], "'x' is not 0.5 to 1"),
         (&["--set", "angel=20:40:5"], "did you mean 'angle'"),
         (&["--set", "angle=20:4000:5"], "knob 'angle'"),
         (&["--set", "seed=1:5:1"], "--seeds N"),

@@ -84,7 +84,9 @@ pub fn one(name: &str, json: bool) -> anyhow::Result<()> {
     if found.is_empty() {
         let hint = did_you_mean(nearest(name, KNOBS.iter().map(|row| row.knob.name)));
         let name = excerpt(name);
-        return Err(usage(format!("there is no knob '{name}'{hint}; 'linden list --knobs' lists them")));
+        return Err(usage(format!(
+            "there is no knob '{name}'{hint}; 'linden list --knobs' lists them, 'linden show SOURCE' those of its grammar too"
+        )));
     }
     if json {
         return super::print_json(&found);

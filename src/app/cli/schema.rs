@@ -109,7 +109,13 @@ fn document() -> Value {
             }
             _ => {}
         }
-        let table = json!({ "type": "object", "properties": keys, "additionalProperties": false });
+        let others = match section {
+            Section::Generator(id) if generators::find(id).is_some_and(|found| found.takes_own_knobs()) => {
+                own_knob()
+            }
+            _ => json!(false),
+        };
+        let table = json!({ "type": "object", "properties": keys, "additionalProperties": others });
         properties.insert(section.key().to_owned(), table);
     }
     properties.insert(EDITS.to_owned(), edits());
@@ -205,11 +211,16 @@ fn ages() -> Value {
         "additionalProperties": {
             "type": "object",
             "properties": keys,
-            // Of further kinds of foliage, by what those are called.
-            "additionalProperties": { "type": "object" },
+            // Of further kinds of foliage, by what those are called, and knobs that the document declares.
+            "additionalProperties": { "anyOf": [{ "type": "object" }, own_knob()] },
         },
         "description": "ages of the plant that have names, with the knobs that are turned then",
     })
+}
+
+/// A knob that the document itself declares.
+fn own_knob() -> Value {
+    json!({ "type": ["number", "string"], "pattern": SPREAD_PATTERN })
 }
 
 /// Keys of a kind of leaves: knobs, and the files that it may need.

@@ -4,6 +4,7 @@
 //! the schema, the help and the workbench's form are made from these tables.
 
 mod field;
+mod kept;
 mod spread;
 
 use std::fmt;
@@ -11,6 +12,7 @@ use std::fmt;
 pub use field::{
     Field, FieldValue, Length, assign, integer, length_or_auto, names, real, real_or_auto, set, values,
 };
+pub use kept::kept;
 pub use spread::{MOST_DEVIATIONS, Spread};
 
 /// No coordinate is farther from 0 than this, in documents, on command lines and in input files: it is more

@@ -1,6 +1,6 @@
 //! L-systems as a generator.
 
-use linden_base::document::{Datum, Fault, Table};
+use linden_base::document::{Datum, Fault, Node, Table};
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
@@ -41,6 +41,10 @@ impl Generator for LSystems {
         LSystem::FIELDS.iter().map(|field| field.knob).collect()
     }
 
+    fn takes_own_knobs(&self) -> bool {
+        true
+    }
+
     fn keys(&self) -> &'static [TableKey] {
         &[
             TableKey {
@@ -53,6 +57,11 @@ impl Generator for LSystems {
                 help: "what symbols are rewritten to, one text a rule",
                 content: KeyContent::Texts,
             },
+            TableKey {
+                name: KNOBS_KEY,
+                help: "constants of the rules that are knobs, a text each: NAME LEAST..MOST UNIT: HELP",
+                content: KeyContent::Texts,
+            },
         ]
     }
 
@@ -60,12 +69,8 @@ impl Generator for LSystems {
         let missing = |what: &str| Fault::new(table.place, format!("[lsystem] has no '{what}'"));
         let axiom = &table.find("axiom").ok_or_else(|| missing("axiom"))?.node;
         let rules = &table.find("rules").ok_or_else(|| missing("rules"))?.node;
-        let Datum::List(items) = &rules.datum else {
-            return Err(rules.mismatch("rules", "a list of texts like [\"F -> F[+F]F\"]"));
-        };
+        let (items, texts) = texts_of(rules, "rules", "a list of texts like [\"F -> F[+F]F\"]")?;
         let axiom_text = axiom.text("axiom")?.to_owned();
-        let texts =
-            items.iter().map(|item| item.text("rules").map(str::to_owned)).collect::<Result<Vec<_>, _>>()?;
         let grammar = Grammar::new(&axiom_text, &texts).map_err(|error| {
             let node = match error.part {
                 GrammarPart::Axiom => axiom,
@@ -73,8 +78,28 @@ impl Generator for LSystems {
             };
             Fault::new(table.inside(node, error.column), format!("{}: {}", error.part, error.problem))
         })?;
-        Ok(Box::new(LSystem::of(grammar)))
+        let mut settings = LSystem::of(grammar);
+        if let Some(entry) = table.find(KNOBS_KEY) {
+            let expected =
+                "a list of texts like [\"limb_angle 20..80 deg: angle of the limbs to the trunk\"]";
+            let (items, texts) = texts_of(&entry.node, KNOBS_KEY, expected)?;
+            settings.expose(&texts).map_err(|(number, error)| {
+                let place = items.get(number).unwrap_or(&entry.node).place;
+                Fault::new(place, format!("{KNOBS_KEY}, text {}: {error}", number + 1))
+            })?;
+        }
+        Ok(Box::new(settings))
     }
+}
+
+/// The key that declares constants as knobs.
+const KNOBS_KEY: &str = "knobs";
+
+/// A list of texts, and the places of each.
+fn texts_of<'a>(list: &'a Node, key: &str, expected: &str) -> Result<(&'a [Node], Vec<String>), Fault> {
+    let Datum::List(items) = &list.datum else { return Err(list.mismatch(key, expected)) };
+    let texts = items.iter().map(|item| item.text(key).map(str::to_owned)).collect::<Result<_, _>>()?;
+    Ok((items, texts))
 }
 
 /// An L-system's error as a generator's.
@@ -97,19 +122,33 @@ impl Settings for LSystem {
     }
 
     fn knobs(&self) -> Vec<(Knob, Value)> {
-        values(Self::FIELDS, self)
+        let of_grammar = self.exposed_values().map(|(exposed, value)| (exposed.knob, Value::Real(value)));
+        values(Self::FIELDS, self).into_iter().chain(of_grammar).collect()
+    }
+
+    fn is_written(&self, knob: &str) -> bool {
+        self.exposed_values().any(|(exposed, value)| exposed.knob.name == knob && exposed.is_default(value))
     }
 
     fn set(&mut self, knob: &str, value: Value) -> bool {
-        set(Self::FIELDS, self, knob, value)
+        match value {
+            Value::Real(number) if self.set_exposed(knob, number) => true,
+            value => set(Self::FIELDS, self, knob, value),
+        }
     }
 
     fn written(&self) -> Vec<(&'static str, Written)> {
         // The grammar shows its axiom, then its rules, a line each.
-        let text = self.grammar.to_string();
+        let text = self.grammar_as_written().to_string();
         let mut lines = text.lines();
         let axiom = lines.next().unwrap_or_default().to_owned();
-        vec![("axiom", Written::Text(axiom)), ("rules", Written::Texts(lines.map(str::to_owned).collect()))]
+        let rules = lines.map(str::to_owned).collect();
+        let mut written = vec![("axiom", Written::Text(axiom)), ("rules", Written::Texts(rules))];
+        let knobs: Vec<String> = self.exposed_values().map(|(exposed, _)| exposed.to_string()).collect();
+        if !knobs.is_empty() {
+            written.push((KNOBS_KEY, Written::Texts(knobs)));
+        }
+        written
     }
 
     fn describe(&self, _: &Inputs) -> Vec<Passage> {
@@ -132,7 +171,7 @@ impl Settings for LSystem {
     }
 
     fn plain(&self) -> Box<dyn Settings> {
-        Box::new(Self::of(self.grammar.clone()))
+        Box::new(Self { exposed: self.exposed.clone(), ..Self::of(self.grammar_as_written()) })
     }
 
     fn idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
@@ -174,6 +213,9 @@ impl Settings for LSystem {
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
+        if let Some(error) = &self.unfit {
+            return Err(GeneratorError::failed(error.clone()));
+        }
         let Drawn { mut branching, organs, symbols } = grow(&self.grammar, &self.turtle(task.seed), monitor)?;
         // Without a '!' the turtle's width is the same everywhere.
         if task.wood.width == Width::Grammar && branching.radii.is_none() {

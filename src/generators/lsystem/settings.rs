@@ -6,8 +6,8 @@ use linden_skeleton::generator::Steps;
 use linden_skeleton::{Width, Wood};
 
 use crate::{
-    Forecast, Grammar, LsystemError, MAX_DERIVATIONS, MAX_STEMS, MAX_SYMBOLS, Production, Stems,
-    TurtleSettings, Variation, forecast,
+    DefineError, Exposed, Forecast, Grammar, LsystemError, MAX_DERIVATIONS, MAX_STEMS, MAX_SYMBOLS,
+    Production, Stems, TurtleSettings, Variation, forecast,
 };
 
 words! {
@@ -25,6 +25,10 @@ words! {
 pub struct LSystem {
     /// Axiom and rules.
     pub grammar: Grammar,
+    /// Constants of the grammar that are knobs. See [`LSystem::expose`].
+    pub exposed: Vec<Exposed>,
+    /// What one of them was set to that the grammar cannot have: growing says so.
+    pub unfit: Option<DefineError>,
     /// Turn of `+` and the like, degrees.
     pub angle_deg: f64,
     /// Rewriting steps.
@@ -62,6 +66,8 @@ impl LSystem {
     pub fn of(grammar: Grammar) -> Self {
         Self {
             grammar,
+            exposed: Vec::new(),
+            unfit: None,
             angle_deg: 25.0,
             derivations: 4,
             age: 1.0,

@@ -3,7 +3,7 @@
 use linden_base::knob::printable;
 use linden_lsystem::{DefineError as GrammarDefineError, LSystem};
 
-use super::Preset;
+use super::{KnobError, Preset};
 
 /// Why a constant was not set.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,11 +18,14 @@ pub enum DefineError {
     /// Its grammar has no such constant, or no such value of it.
     #[error(transparent)]
     Grammar(#[from] GrammarDefineError),
+    /// The constant is a knob, and this is no value of it.
+    #[error(transparent)]
+    Knob(#[from] KnobError),
 }
 
 impl Preset {
     /// Gives a constant of the grammar (`#define`) another value, as `--define name=value` does. The preset's rules
-    /// then say so, and its recipe with them.
+    /// then say so, and its recipe with them. A constant that is a knob is turned, within its range.
     ///
     /// ```
     /// let mut honda = linden_pipeline::preset::builtin("abop-honda-a")?.load()?;
@@ -36,6 +39,9 @@ impl Preset {
     pub fn define(&mut self, name: &str, value: &str) -> Result<(), DefineError> {
         let no_grammar = DefineError::NoGrammar { preset: printable(&self.id) };
         let settings = self.settings_mut::<LSystem>().ok_or(no_grammar)?;
+        if settings.exposed.iter().any(|exposed| exposed.knob.name == name) {
+            return Ok(self.set(name, value)?);
+        }
         settings.grammar = settings.grammar.defining(name, value)?;
         Ok(())
     }

@@ -14,6 +14,8 @@ mod kinds;
 mod knobs;
 mod library;
 mod mention;
+#[cfg(test)]
+mod own_knob_tests;
 mod parameters;
 #[cfg(test)]
 mod part_tests;

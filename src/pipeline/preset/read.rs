@@ -211,13 +211,34 @@ fn generator(entries: &[Entry], text: Option<&str>) -> Result<Box<dyn Settings>,
         found = Some((*generator, table));
     }
     match found {
-        Some((generator, table)) => generator.read(&table),
+        Some((generator, table)) => {
+            let settings = generator.read(&table)?;
+            check_names(&*settings, &table)?;
+            Ok(settings)
+        }
         None => {
             let ids: Vec<String> =
                 generators::all().iter().map(|generator| format!("[{}]", generator.id())).collect();
             Err(Fault::new(None, format!("none of {}: add the one that grows the tree", ids.join(", "))))
         }
     }
+}
+
+/// Refuses knobs that a document brings along by the names of knobs, or of other keys, that presets have anyway.
+fn check_names(settings: &dyn Settings, table: &Table<'_>) -> Result<(), Fault> {
+    let generator = settings.generator();
+    let usual: Vec<&str> = generator.knobs().iter().map(|knob| knob.name).collect();
+    let own = settings.knobs().into_iter().map(|(knob, _)| knob.name).filter(|name| !usual.contains(name));
+    for name in own {
+        let is_key = generator.keys().iter().any(|key| key.name == name);
+        if is_key || HEADINGS.contains(&name) || KNOBS.iter().any(|row| row.knob.is_called(name)) {
+            let message = format!(
+                "'{name}' cannot be a knob: it is the name of another one; give the constant another"
+            );
+            return Err(Fault::new(table.place, message));
+        }
+    }
+    Ok(())
 }
 
 fn table<'a>(entries: &'a [Entry], key: &str, text: Option<&'a str>) -> Result<Option<Table<'a>>, Fault> {

@@ -17,7 +17,7 @@ use super::tags::TAGS;
 
 impl Serialize for Preset {
     /// All headings and all knobs, also those that stand at their default: what is written does not
-    /// change when a default does.
+    /// change when a default does. A default that the document itself has, as in its rules, is not written again.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         self.serialize_into(&mut map)?;
@@ -111,6 +111,10 @@ impl Knobs<'_> {
         for (knob, value) in self.preset.knobs() {
             if knob.section == self.section {
                 let spread = self.preset.spread_of(&knob, &value);
+                let is_of_generator = self.section.key() == generator.id();
+                if is_of_generator && spread.is_none() && self.preset.generator.is_written(knob.knob.name) {
+                    continue;
+                }
                 map.serialize_entry(knob.knob.name, &Turned { spread, value: &value })?;
             }
         }
