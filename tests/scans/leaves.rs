@@ -29,7 +29,7 @@ const SUBJECTS: [Subject; 8] = [
     subject("beech", 21, Use::Judging),
     subject("silver-birch", 22, Use::Judging),
     subject("linden", 23, Use::Judging),
-    subject("rowan", 24, Use::Judging),
+    subject("drawn-rowan", 24, Use::Judging),
     subject("norway-spruce", 25, Use::Judging),
 ];
 
