@@ -111,7 +111,7 @@ fn title(id: &str) -> String {
 
 fn programs(clients: &[&Table], results: &Json) -> String {
     let mut page = format!(
-        "Found on {}, with rowans, hazels and maples of 2 000 to 24 000 triangles, in\n\n| program | version | opened by |\n|---|---|---|\n",
+        "Found on {}, with rowans, hazels and maples of 2 000 to 30 000 triangles, in\n\n| program | version | opened by |\n|---|---|---|\n",
         results["date"].as_str().unwrap()
     );
     for client in clients {

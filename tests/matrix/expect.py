@@ -48,8 +48,23 @@ def of(row, path, twins):
         said = twins.stats()
         return {"rows": said["organs"] if format == "organs" else said["segments"], "recipe": row.get("set", {}).get("recipe") != "false"}
     if format == "html":
-        return {"preview": str(twins.preview())}
+        words = [*twins.plants[row.get("plant", "tree")], *row.get("with", [])]
+        return {"preview": str(twins.preview(words, row.get("season"))), "buttons": buttons(words, row)}
     raise ValueError(f"nothing says what is expected of {format}")
+
+
+def after(words, option):
+    """The value of an option of the command line, as a list."""
+    return words[words.index(option) + 1].split(",") if option in words else []
+
+
+def buttons(words, row):
+    """What can be pressed on a page of these words of the command line, and with a star what is."""
+    seasons = after(words, "--seasons")
+    levels = [] if row.get("set", {}).get("lods") == "files" else [f"LOD{level}" for level in range(len(after(words, "--lods")))]
+    shown = {row.get("season", "summer").capitalize(), "LOD0"}
+    moves = ["Wind*"] if {"--wind=sway", "--wind=bones"} & set(words) else []
+    return ["Dark", "Turn", *moves, *(each + "*" * (each in shown) for each in [season.capitalize() for season in seasons] + levels)]
 
 
 def z_up(box):
@@ -100,6 +115,7 @@ class Twins:
 
     def __init__(self, linden, plants, directory):
         self.linden, self.plants, self.directory, self.known = linden, plants, directory, {}
+        self.previews = []
         directory.mkdir(parents=True, exist_ok=True)
 
     def run(self, *words):
@@ -127,9 +143,16 @@ class Twins:
         thinned = json.loads(self.run("stats", *self.plants["tree"][1:], "--json"))
         return {"segments": said["segments"], "organs": thinned["leaves"]}
 
-    def preview(self):
-        """What the plant `tree` looks like; plants of several levels have it as their finest."""
-        path = self.directory / "preview.png"
-        if not path.is_file():
-            self.run("preview", *self.plants["tree"][1:], "--background", "transparent", "-o", path)
-        return path
+    def preview(self, words, season):
+        """What a plant of these words of `linden export` looks like in a season, at its finest level."""
+        levels = after(words, "--lods")
+        dropped = {each for option in ("--seasons", "--lods") if option in words for each in (option, words[words.index(option) + 1])}
+        kept = [each for each in words[1:] if each not in dropped and not each.startswith("--wind")]
+        kept += ["--triangles", levels[0]] if levels else []
+        # Seasons by their names are those of the knob.
+        kept += [f"--set=season={season or 'summer'}"] if "--seasons" in words else []
+        if kept not in self.previews:
+            path = self.directory / f"preview{len(self.previews)}.png"
+            self.run("preview", *kept, "--background", "transparent", "-o", path)
+            self.previews.append(kept)
+        return self.directory / f"preview{self.previews.index(kept)}.png"

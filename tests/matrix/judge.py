@@ -1,14 +1,22 @@
 """Compares what a program found in a file with what is in it. A cell: `reads` yes, part or no; what is `lost`, by aspect, with numbers."""
 
+import importlib.util
 from pathlib import Path
 
 import numpy as np
 
+spec = importlib.util.spec_from_file_location("page", Path(__file__).resolve().parents[1] / "render/html.py")
+page = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(page)
+
 # A picture is the same where so much of what either covers is covered by both, and colours differ by so little (of 255).
 LEAST_COMMON = 0.9
 MOST_COLOUR = 20
-# A page and a preview look from other places at a sparse tree, which may sway.
-LEAST_OF_PAGE = 0.35
+# A page and a preview look from other places at a sparse tree, which may sway. Other seasons have 0.1 to 0.2 in common.
+LEAST_OF_PAGE = 0.45
+LEAST_IN_WIND = 0.3
+# Red is so much of red and green, give or take this: light of another colour changes it less than another season does.
+MOST_REDNESS = 0.06
 
 
 def cell(row, client, want, facts, shots, slug):
@@ -20,6 +28,8 @@ def cell(row, client, want, facts, shots, slug):
         lost["validator"] = f"{len(facts['messages'])}: {facts['messages'][0][:160]}"
     if not ("messages" in facts and "triangles" not in facts):
         lost |= dict(scene(row, want, facts))
+        if "preview" in want:
+            lost |= dict(beside_preview(Path(shots) / client["id"] / f"{slug(row['id'])}.png", want["preview"], facts))
         if client.get("looks") and "like" in row:
             lost |= dict(look(*(Path(shots) / client["id"] / f"{slug(name)}.png" for name in (row["id"], row["like"]))))
     return {"reads": "part", "lost": lost} if lost else {"reads": "yes"}
@@ -33,8 +43,8 @@ def scene(row, want, facts):
             yield name, f"{found} of {want[name]}"
     if "recipe" in want and "rows" in want and "recipe" in facts and facts["recipe"] != want["recipe"]:
         yield "recipe", f"{facts['recipe']}"
-    if "preview" in want and facts["common"] < LEAST_OF_PAGE:
-        yield "look", f"{facts['common']:.2f} in common with a preview"
+    if "buttons" in want and facts["buttons"] != want["buttons"]:
+        yield "buttons", f"{' '.join(facts['buttons'])} in place of {' '.join(want['buttons'])}"
     # Programs that leave joints to the graphics card have no box; their pictures are compared.
     if "shapes" not in row.get("holds", []) and "box" in want and not (facts["box"] is None and facts["joints"]):
         size = np.ptp(np.array(want["box"], dtype=float), axis=0).max()
@@ -186,6 +196,31 @@ HOLDS = {
     "proxy": some("proxies"),
     "colours": lambda _, want, facts: None if any(name.startswith("col") for name in attributes(facts)) else "none",
 }
+
+
+def beside_preview(path, preview, facts):
+    """How the picture of a page differs from one of `linden preview`; the numbers are noted in the facts."""
+    seen, told = page.covered(path, **page.BARS)[0], page.covered(preview)[0]
+    if seen is None:
+        yield "look", "nothing is drawn"
+        return
+    facts["common"] = round(float((seen & told).sum() / (seen | told).sum()), 3)
+    facts["redness"] = [round(float(each), 3) for each in (redness(path, **page.BARS), redness(preview))]
+    if facts["common"] < (LEAST_IN_WIND if "Wind*" in facts["buttons"] else LEAST_OF_PAGE):
+        yield "look", f"{facts['common']:.2f} in common with a preview"
+    elif abs(np.subtract(*facts["redness"])) > MOST_REDNESS:
+        yield "look", f"red is {facts['redness'][0]:.2f} of red and green, and {facts['redness'][1]:.2f} in a preview"
+
+
+def redness(path, top=0, bottom=0):
+    """The share of red in red and green of what differs from the ground."""
+    from PIL import Image
+
+    pixels = np.asarray(Image.open(path).convert("RGBA"), dtype=float)
+    pixels = pixels[top:len(pixels) - bottom]
+    is_tree = pixels[..., 3] > 127 if pixels[0, 0, 3] == 0 else np.abs(pixels[..., :3] - pixels[:, :1, :3]).sum(axis=2) > 40
+    red, green = pixels[is_tree][:, :2].sum(axis=0)
+    return red / (red + green)
 
 
 def look(path, other):
