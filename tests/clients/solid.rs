@@ -14,10 +14,12 @@ use crate::outside::{exported, run};
 fn watertight_wood_is_one_closed_manifold() {
     let dir = exported("solid");
     let features = [("collar", "0.6"), ("flare", "0.8"), ("flare_ridges", "5"), ("ends", "cut")];
-    for (id, features) in
-        [("simple", &[][..]), ("simple", &features[..]), ("grove", &features[..2]), ("abop-honda-a", &[])]
-    {
+    for (id, features) in [("simple", &features[..]), ("grove", &features[..2]), ("abop-honda-a", &[])] {
         let mut recipe = recipe(builtin(id).unwrap());
+        // Fewer branches meet in the same ways.
+        if id == "grove" {
+            recipe.preset.set("points", "600").unwrap();
+        }
         for &(knob, value) in [("junction", "watertight"), ("bark_size", "16")].iter().chain(features) {
             recipe.preset.set(knob, value).unwrap();
         }

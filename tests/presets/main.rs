@@ -4,6 +4,7 @@
 
 mod ages;
 mod gallery;
+mod own_knobs;
 mod plants;
 
 use std::fmt::Write as _;

@@ -110,7 +110,7 @@ fn document() -> Value {
             _ => {}
         }
         let others = match section {
-            Section::Generator(id) if generators::find(id).is_some_and(|found| found.takes_own_knobs()) => {
+            Section::Generator(id) if generators::find(id).is_some_and(Generator::takes_own_knobs) => {
                 own_knob()
             }
             _ => json!(false),
