@@ -98,7 +98,7 @@ pub fn read(
         FileFormat::Gltf | FileFormat::Glb => gltf::read(&mut asset, bytes, beside, monitor)?,
         FileFormat::Obj => obj::read(&mut asset, bytes, beside)?,
         FileFormat::Ply => ply::read(&mut asset, bytes, monitor)?,
-        FileFormat::Usd => usd::read(&mut asset, bytes, beside)?,
+        FileFormat::Usd => usd::read(&mut asset, bytes, beside, monitor)?,
     }
     if asset.meshes.is_empty() {
         return Err(ReadError::broken(format.name(), "there are no triangles in it"));

@@ -24,7 +24,7 @@ use crate::source;
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Lint {
-    /// Models: GLB, glTF, OBJ, PLY, USD. Files as `oak_LOD0.obj`, `oak_LOD1.obj` are levels of one
+    /// Models: GLB, glTF, OBJ, PLY, USD (text, binary, packages). Files as `oak_LOD0.obj`, `oak_LOD1.obj` are levels of one
     #[arg(value_name = "FILE", required_unless_present = "rules")]
     files: Vec<PathBuf>,
 

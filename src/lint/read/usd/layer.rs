@@ -28,7 +28,7 @@ pub(super) enum Levels {
 }
 
 /// Prims within prims, and lists within lists: the parser calls itself for each.
-const DEEPEST: usize = 200;
+pub(super) const DEEPEST: usize = 200;
 
 impl Layer {
     pub fn parse(text: &str) -> Result<Self, ReadError> {
@@ -45,8 +45,13 @@ impl Layer {
             return Err(broken(format!("it is nested deeper than {DEEPEST}")));
         }
         let data = usda::parse(text).map_err(|error| broken(format!("{error:#}")))?;
+        Ok(Self::of(data))
+    }
+
+    /// Text or binary, they are the same.
+    pub fn of(data: Data) -> Self {
         let paths = data.spec_paths();
-        Ok(Self { data, paths })
+        Self { data, paths }
     }
 
     /// Prims of a type, in the order of their paths.
@@ -79,7 +84,8 @@ impl Layer {
     /// The names of a prim's attributes.
     pub fn attributes(&self, prim: &Path) -> impl Iterator<Item = &str> {
         let prefix = format!("{prim}.");
-        self.paths.iter().filter_map(move |path| path.as_str().strip_prefix(&prefix))
+        let first = self.paths.partition_point(|path| path.as_str() < prefix.as_str());
+        self.paths[first..].iter().map_while(move |path| path.as_str().strip_prefix(&prefix))
     }
 
     /// What a relationship or a connection leads to, without variants.

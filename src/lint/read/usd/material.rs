@@ -15,6 +15,8 @@ use crate::read::{Beside, picture, shown};
 pub(super) fn read(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Materials {
     let mut materials = Materials::new();
     let mut pictures = BTreeMap::new();
+    // The first of each name: all others of it are called by their paths.
+    let mut named_first = BTreeMap::new();
     let shaders: Vec<Path> = layer.prims_of("Shader").collect();
     for prim in layer.prims_of("Material") {
         let path = prim.strip_all_variant_selections().as_str().to_owned();
@@ -22,7 +24,9 @@ pub(super) fn read(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Mat
             continue;
         }
         let inside = format!("{prim}/");
-        let own: Vec<&Path> = shaders.iter().filter(|shader| shader.as_str().starts_with(&inside)).collect();
+        let first = shaders.partition_point(|shader| shader.as_str() < inside.as_str());
+        let own: Vec<&Path> =
+            shaders[first..].iter().take_while(|shader| shader.as_str().starts_with(&inside)).collect();
         let is = |shader: &&&Path, id: &str| {
             layer.value(shader, "info:id").and_then(|value| word(&value)).as_deref() == Some(id)
         };
@@ -63,8 +67,11 @@ pub(super) fn read(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Mat
         }
         material.others = used.into_values().collect();
         // Names are within a prim: what only looks the same is the same.
-        let known = asset.materials.iter().position(|known| *known == material);
-        if known.is_none() && asset.materials.iter().any(|known| known.name == material.name) {
+        let named = named_first.get(&material.name).copied();
+        let known = named.filter(|&known| asset.materials[known] == material);
+        if named.is_none() {
+            named_first.insert(material.name.clone(), asset.materials.len());
+        } else if known.is_none() {
             material.name.clone_from(&path);
         }
         materials.insert(path, known.unwrap_or(asset.materials.len()));

@@ -1,9 +1,10 @@
-//! USD: one layer of text, by itself or as the first file of a package (`.usdz`).
+//! USD: one layer of text or binary, by itself or as the first file of a package (`.usdz`).
 //!
 //! The crate openusd parses the text. Its reader of binary layers reserves what a file announces, so that a broken one
-//! could ask for all memory: they are refused until it holds them against the bytes. Layers are not composed: what a
-//! file refers to is noted as unseen.
+//! could ask for all memory: [`binary`] reads them instead, into what text becomes. Layers are not composed: what a file
+//! refers to is noted as unseen.
 
+mod binary;
 mod layer;
 mod material;
 mod mesh;
@@ -12,23 +13,28 @@ mod package;
 use std::collections::BTreeMap;
 
 use glam::{Affine3A, Quat, Vec3};
+use linden_base::monitor::Monitor;
 
+use self::binary::Room;
 use self::layer::{Layer, Levels};
 use self::package::Package;
 use super::arrange::{Drawn, arrange};
 use super::{Beside, MOST_PLACES, ReadError};
 use crate::asset::{Aspect, Asset};
 
-pub(super) fn read(asset: &mut Asset, bytes: &[u8], beside: &dyn Beside) -> Result<(), ReadError> {
+pub(super) fn read(
+    asset: &mut Asset,
+    bytes: &[u8],
+    beside: &dyn Beside,
+    monitor: &dyn Monitor,
+) -> Result<(), ReadError> {
     let package = bytes.starts_with(b"PK").then(|| Package::read(bytes)).transpose()?;
     let layer = package.as_ref().map_or(Some(bytes), Package::first).unwrap_or_default();
-    if layer.starts_with(b"PXR-USDC") {
-        return Err(broken(
-            "binary layers are not read; 'usdcat in.usdc -o out.usda' (usd-core) makes text of them",
-        ));
-    }
-    let text = std::str::from_utf8(layer).map_err(|_| broken("its layer is no UTF-8 text"))?;
-    let layer = Layer::parse(text)?;
+    let layer = if layer.starts_with(binary::MAGIC) {
+        Layer::of(binary::parse(layer, &mut Room::new(layer.len(), monitor))?)
+    } else {
+        Layer::parse(std::str::from_utf8(layer).map_err(|_| broken("its layer is no UTF-8 text"))?)?
+    };
     match &package {
         Some(package) => read_layer(asset, &layer, package),
         None => read_layer(asset, &layer, beside),
