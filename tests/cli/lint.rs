@@ -20,8 +20,10 @@ const SMALL: [&str; 4] = ["--set", "points=60", "--set", "bark_size=64"];
 #[test]
 fn all_formats_of_a_tree_have_the_same_counts() {
     let folder = Folder::new();
-    let outputs =
-        ["-o", "a.glb", "-o", "a.gltf", "-o", "a.obj", "-o", "a.ply", "-o", "a.usda", "-o", "a.usdz"];
+    let outputs = [
+        "-o", "a.glb", "-o", "a.gltf", "-o", "a.obj", "-o", "a.ply", "-o", "a.usda", "-o", "a.usdc", "-o",
+        "a.usdz",
+    ];
     folder.run(&[&["export", "dressed-simple"], &SMALL[..], &outputs].concat()).done();
     let numbers = |file: &str, key: &str| {
         let (said, report) = lint(&folder, &[file]);
@@ -30,7 +32,7 @@ fn all_formats_of_a_tree_have_the_same_counts() {
         report["files"][0]["numbers"][key].clone()
     };
     let stats = folder.run(&["stats", "a.glb", "--json"]).done().json();
-    for file in ["a.glb", "a.gltf", "a.obj", "a.ply", "a.usda", "a.usdz"] {
+    for file in ["a.glb", "a.gltf", "a.obj", "a.ply", "a.usda", "a.usdc", "a.usdz"] {
         assert_eq!(numbers(file, "triangles")[0], stats["triangles"], "{file}");
         let height = numbers(file, "height_m").as_f64().unwrap();
         let expected = numbers("a.glb", "height_m").as_f64().unwrap();
@@ -58,6 +60,61 @@ fn levels_are_seen_in_one_file_and_in_several() {
     assert_eq!(triangles(&["a.usda"]), levels);
     let (_, report) = lint(&folder, &["a_LOD0.obj", "a_LOD2.obj"]);
     assert!(rules(&report).contains(&"lod-chain".to_owned()), "{report}");
+}
+
+/// Models in binary have the reports of the same as text, beside their pictures and in packages.
+#[test]
+fn binary_usd_has_the_report_of_text() {
+    let folder = Folder::new();
+    // The options are those of layers by themselves.
+    for (source, args, options) in [
+        ("oak", &["--lods", "3"][..], &["proxy=true", "lightmap_uv=true"][..]),
+        ("apple", &["--set", "season=0.6", "--instances"], &["collision=capsules"]),
+        ("fir", &[], &["materialx=false", "pictures=false"]),
+        ("oak", &[], &["payload=true"]),
+        ("dressed-simple", &["--wind=bones", "--lods", "2", "--set", "points=60"], &[]),
+        ("dressed-simple", &["--wind=sway", "--scene", "--set", "points=60"], &[]),
+        ("dressed-simple", &["--wind=bones", "--set", "points=60"], &["nanite=skeletal"]),
+    ] {
+        let export = |args: &[&str]| {
+            let small = ["export", source, "--triangles", "3000", "--set", "bark_size=64"];
+            let said = folder.run(&[&small, args].concat());
+            assert_eq!(said.code, Some(0), "{source} {args:?}: {}", said.err);
+        };
+        for format in ["usda", "usdc"] {
+            let options: Vec<String> = options.iter().map(|option| format!("{format}.{option}")).collect();
+            let options = options.iter().flat_map(|option| ["--set", option]).collect::<Vec<_>>();
+            let file = format!("a.{format}");
+            export(&[&["-o", &file], args, &options].concat());
+        }
+        for layer in ["text", "binary"] {
+            let (file, layer) = (format!("{layer}.usdz"), format!("usdz.layer={layer}"));
+            export(&[&["-o", &file, "--set", &layer], args].concat());
+        }
+        let mut pairs = [("a.usda", "a.usdc"), ("text.usdz", "binary.usdz")];
+        // A layer whose model is in its payload has no triangles, text or binary.
+        if options.contains(&"payload=true") {
+            pairs[0] = ("a_payload.usda", "a_payload.usdc");
+            for file in ["a.usda", "a.usdc"] {
+                let said = folder.run(&["lint", file]);
+                assert!(said.code == Some(1) && said.err.contains("no triangles"), "{file}: {}", said.err);
+            }
+        }
+        for (text, binary) in pairs {
+            let report = |file: &str| {
+                let (said, mut report) = lint(&folder, &["--set", "uv-overlap=warn", file]);
+                assert_eq!(said.code, Some(0), "{source} {args:?} {file}: {}{}", said.out, said.err);
+                report["files"][0]["file"].take();
+                report
+            };
+            let (text, binary) = (report(text), report(binary));
+            assert!(text["files"][0]["numbers"]["triangles"][0].as_u64() > Some(100), "{text}");
+            assert_eq!(binary, text, "{source} {args:?} {options:?}");
+        }
+        for name in folder.names() {
+            std::fs::remove_file(folder.file(&name)).unwrap();
+        }
+    }
 }
 
 #[test]
