@@ -12,6 +12,7 @@ mod crates;
 mod cylinders;
 mod foliage;
 mod instances;
+mod lint;
 mod mat;
 mod mtg;
 mod nanite;
