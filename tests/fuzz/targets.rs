@@ -19,6 +19,7 @@ use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
 use linden::surface::topology;
 use linden::{Monitor, Quiet};
 use linden_exporters::{Bundle, ExportError, Options, REGISTRY};
+use linden_lint::{Config, NoFiles, lint, read};
 use linden_terminal::input::Parser;
 
 use crate::words;
@@ -46,6 +47,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "ply", run: ply, rounds: 3000, words: words::INPUT },
     Target { name: "xyz", run: xyz, rounds: 3000, words: words::INPUT },
     Target { name: "cloud", run: cloud, rounds: 3000, words: words::INPUT },
+    Target { name: "usd", run: usd, rounds: 3000, words: words::USD },
     Target { name: "picture", run: picture, rounds: 3000, words: words::PICTURE },
     Target { name: "knob", run: knob, rounds: 6000, words: words::KNOB },
     Target { name: "terminal", run: terminal, rounds: 10_000, words: words::TERMINAL },
@@ -275,6 +277,25 @@ fn cloud(bytes: &[u8]) -> String {
         Err(error) => drop(said(&error)),
     }
     told_by_content(bytes)
+}
+
+/// Layers that are looked at for faults, text and binary, and packages of them.
+fn usd(bytes: &[u8]) -> String {
+    match read("tree.usdz", bytes, &NoFiles, &Budget::new(u64::MAX, 64 << 20)) {
+        Ok(asset) => {
+            for mesh in &asset.meshes {
+                let geometry = mesh.geometry.as_ref().expect("USD has geometry");
+                let count = geometry.positions.len();
+                assert!(geometry.triangles.iter().flatten().all(|&corner| (corner as usize) < count));
+            }
+            let report = lint(&asset, &Config::default());
+            for finding in &report.findings {
+                said(&finding.message);
+            }
+            format!("{} findings", report.findings.len().min(9))
+        }
+        Err(error) => said(&error),
+    }
 }
 
 /// Pictures of leaves and bark. What has no mark of another format is read as TGA.

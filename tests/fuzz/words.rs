@@ -331,3 +331,32 @@ pub const PARAMETERS: &[&str] = &[
     "'levels': 3",
     "'branches': (0, -5)",
 ];
+
+/// Statements of layers, and what crate files have between numbers.
+pub const USD: &[&str] = &[
+    "#usda 1.0\n",
+    "PXR-USDC",
+    "PK\u{3}\u{4}",
+    "def Mesh \"a\"",
+    "def PointInstancer \"a\"",
+    "variantSet \"lod\" = {",
+    "{",
+    "}",
+    "(",
+    ")",
+    "[",
+    "]",
+    "int[] faceVertexIndices = [0, 1, 2]",
+    "int[] faceVertexCounts = [3]",
+    "point3f[] points = [(0, 0, 0)]",
+    "uniform token[] xformOpOrder = [\"xformOp:translate\"]",
+    "TOKENS\0\0",
+    "STRINGS\0",
+    "FIELDS\0\0",
+    "FIELDSETS\0",
+    "PATHS\0\0\0",
+    "SPECS\0\0\0",
+    "\0\0\0\0\0\0\0\0",
+    "\0\0\0\u{1}\0\0\0\0",
+    "\u{8}\0\0\0\0\0\0\0",
+];

@@ -1,0 +1,2 @@
+#![no_main]
+linden_fuzz::fuzz!("usd");
