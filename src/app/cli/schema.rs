@@ -10,7 +10,7 @@ use linden::preset::{
 };
 use linden::report::{NUMBERS, Number};
 use linden::skeleton::edit::{EDIT_KNOBS, EDIT_PATHS, Edit, MOST_EDITS, Operation};
-use linden::skeleton::generator::{KeyContent, TableKey, Tables};
+use linden::skeleton::generator::{Generator, KeyContent, TableKey, Tables};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
