@@ -92,25 +92,25 @@ impl Exposed {
     /// [`ExposeError`], but for [`ExposeError::Taken`] among several.
     pub fn read(text: &str, grammar: &Grammar) -> Result<Self, ExposeError> {
         let form = |problem| ExposeError::Form { text: excerpt(text), problem };
-        let (knob, [min, max]) = declared(text).map_err(form)?;
-        let name = || knob.name.to_owned();
-        if LSystem::FIELDS.iter().any(|field| field.knob.is_called(knob.name)) {
-            return Err(ExposeError::Taken { name: name() });
+        let Declared { name, range: [min, max], unit, help } = declared(text).map_err(form)?;
+        if LSystem::FIELDS.iter().any(|field| field.knob.is_called(name)) {
+            return Err(ExposeError::Taken { name: name.to_owned() });
         }
         // Whether it can be defined so at all, and what follows from it.
         for end in [min, max] {
-            grammar.defining(knob.name, &end.to_string())?;
+            grammar.defining(name, &end.to_string())?;
         }
-        let Some((written, value)) = constant(grammar, knob.name) else {
+        let Some((written, value)) = constant(grammar, name) else {
             return Err(form("names no constant"));
         };
         if written.parse::<f64>().is_err() {
-            return Err(ExposeError::Follows { name: name(), written });
+            return Err(ExposeError::Follows { name: name.to_owned(), written });
         }
         if !(min..=max).contains(&value) {
-            return Err(ExposeError::Outside { name: name(), value, min, max });
+            return Err(ExposeError::Outside { name: name.to_owned(), value, min, max });
         }
-        Ok(Self { knob, written })
+        // What is no knob is not kept.
+        Ok(Self { knob: Knob::new(kept(name), real(min, max), kept(unit), kept(help)), written })
     }
 
     /// Whether a value is what the rules define.
@@ -142,8 +142,16 @@ fn constant(grammar: &Grammar, name: &str) -> Option<(String, f64)> {
     all.find(|(known, ..)| *known == name).map(|(_, written, value)| (written, value))
 }
 
-/// The knob that a text declares and its range, or what is wrong with it.
-fn declared(text: &str) -> Result<(Knob, [f64; 2]), &'static str> {
+/// What a text declares.
+struct Declared<'a> {
+    name: &'a str,
+    range: [f64; 2],
+    unit: &'a str,
+    help: &'a str,
+}
+
+/// What a text declares, or what is wrong with it. The grammar says whether there is such a name.
+fn declared(text: &str) -> Result<Declared<'_>, &'static str> {
     let (head, help) = text.split_once(':').ok_or("has no ':' before the line of help")?;
     let help = help.trim();
     if help.is_empty() {
@@ -171,8 +179,7 @@ fn declared(text: &str) -> Result<(Knob, [f64; 2]), &'static str> {
     if min >= max {
         return Err("has an empty range: the first number must be the smaller one");
     }
-    // The grammar says whether there is such a name; here it is what is looked for.
-    Ok((Knob::new(kept(name), real(min, max), kept(unit), kept(help)), [min, max]))
+    Ok(Declared { name, range: [min, max], unit, help })
 }
 
 impl LSystem {
