@@ -62,13 +62,13 @@ const LARGE: u64 = 30_000;
 /// Which of the options a tree is written with, beside none: those that are its turn among so many trees.
 #[derive(Clone, Copy)]
 struct Turn {
-    of: usize,
+    tree: usize,
     trees: usize,
 }
 
 impl Turn {
     fn has(self, option: usize) -> bool {
-        option == 0 || (option + self.of).is_multiple_of(self.trees)
+        option == 0 || (option + self.tree).is_multiple_of(self.trees)
     }
 }
 
@@ -123,8 +123,8 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
 
 #[test]
 fn estimates_are_near_the_real_files() {
-    let faults = builtins().par_iter().enumerate().flat_map_iter(|(of, builtin)| {
-        all_off(builtin.id, Turn { of, trees: 4 }, &Recipe::new(builtin.load().unwrap()))
+    let faults = builtins().par_iter().enumerate().flat_map_iter(|(tree, builtin)| {
+        all_off(builtin.id, Turn { tree, trees: 4 }, &Recipe::new(builtin.load().unwrap()))
     });
     assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
 }
@@ -145,7 +145,7 @@ fn budgets_levels_and_wind_are_estimated_too() {
     let all = (0..plants.len()).flat_map(|plant| (0..cases.len()).map(move |case| (plant, case)));
     let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(plant, case)| {
         let (id, knobs) = (plants[plant], cases[case]);
-        let turn = Turn { of: plant + case, trees: plants.len() };
+        let turn = Turn { tree: plant + case, trees: plants.len() };
         let mut preset = linden_pipeline::preset::builtin(id).unwrap().load().unwrap();
         for (knob, value) in knobs {
             preset.set(knob, value).unwrap();

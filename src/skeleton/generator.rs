@@ -45,7 +45,7 @@ pub trait Generator: Sync {
     fn knobs(&self) -> Vec<Knob>;
 
     /// Whether documents may declare knobs of numbers of their own in its table, which [`Settings::knobs`] have then too.
-    fn takes_own_knobs(&self) -> bool {
+    fn takes_declared_knobs(&self) -> bool {
         false
     }
 

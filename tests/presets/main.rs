@@ -3,8 +3,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 
 mod ages;
+mod declared_knobs;
 mod gallery;
-mod own_knobs;
 mod plants;
 
 use std::fmt::Write as _;

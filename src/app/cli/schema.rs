@@ -110,8 +110,8 @@ fn document() -> Value {
             _ => {}
         }
         let others = match section {
-            Section::Generator(id) if generators::find(id).is_some_and(Generator::takes_own_knobs) => {
-                own_knob()
+            Section::Generator(id) if generators::find(id).is_some_and(Generator::takes_declared_knobs) => {
+                declared_knob()
             }
             _ => json!(false),
         };
@@ -212,14 +212,14 @@ fn ages() -> Value {
             "type": "object",
             "properties": keys,
             // Of further kinds of foliage, by what those are called, and knobs that the document declares.
-            "additionalProperties": { "anyOf": [{ "type": "object" }, own_knob()] },
+            "additionalProperties": { "anyOf": [{ "type": "object" }, declared_knob()] },
         },
         "description": "ages of the plant that have names, with the knobs that are turned then",
     })
 }
 
 /// A knob that the document itself declares.
-fn own_knob() -> Value {
+fn declared_knob() -> Value {
     json!({ "type": ["number", "string"], "pattern": SPREAD_PATTERN })
 }
 

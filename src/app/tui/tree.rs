@@ -233,6 +233,7 @@ impl Tree {
             let mut preset = self.current.preset.clone();
             let Some(lsystem) = preset.settings_mut::<LSystem>() else { return };
             lsystem.grammar = grammar;
+            lsystem.unfit.clear();
             let follows = self.series == Some(UndoSeries::Grammar);
             self.change(preset, follows, Some(UndoSeries::Grammar));
         }
@@ -248,6 +249,7 @@ impl Tree {
             (preset.settings_mut::<LSystem>(), grammar_of(&self.saved.preset))
         {
             lsystem.grammar = saved.clone();
+            lsystem.unfit.clear();
             self.replace(preset);
         }
     }

@@ -100,7 +100,8 @@ impl Exposed {
         for end in [min, max] {
             grammar.defining(name, &end.to_string())?;
         }
-        let Some((written, value)) = constant(grammar, name) else {
+        let mut constants = grammar.constants().into_iter();
+        let Some((_, written, value)) = constants.find(|(known, ..)| *known == name) else {
             return Err(form("names no constant"));
         };
         if written.parse::<f64>().is_err() {
@@ -118,11 +119,11 @@ impl Exposed {
         self.written.parse() == Ok(value)
     }
 
-    /// The number that a grammar has for it, where it is one that the knob can have.
-    pub(crate) fn value(&self, grammar: &Grammar) -> Option<f64> {
-        let (written, value) = constant(grammar, self.knob.name)?;
+    /// The number that the constants of a grammar have for it, where it is one that the knob can have.
+    fn value(&self, constants: &[(&str, String, f64)]) -> Option<f64> {
+        let (_, written, value) = constants.iter().find(|(name, ..)| *name == self.knob.name)?;
         let Kind::Real { min, max, .. } = self.knob.kind else { return None };
-        (written.parse::<f64>().is_ok() && (min..=max).contains(&value)).then_some(value)
+        (written.parse::<f64>().is_ok() && (min..=max).contains(value)).then_some(*value)
     }
 }
 
@@ -134,12 +135,6 @@ impl fmt::Display for Exposed {
         let gap = if unit.is_empty() { "" } else { " " };
         write!(f, "{name} {min}..{max}{gap}{unit}: {help}")
     }
-}
-
-/// How a constant is written, and its number.
-fn constant(grammar: &Grammar, name: &str) -> Option<(String, f64)> {
-    let mut all = grammar.constants().into_iter();
-    all.find(|(known, ..)| *known == name).map(|(_, written, value)| (written, value))
 }
 
 /// What a text declares.
@@ -206,7 +201,8 @@ impl LSystem {
     /// The constants that are knobs, with the numbers that they have. Those are left out that the grammar, having been edited,
     /// does not define any more, or as no number within the range.
     pub(crate) fn exposed_values(&self) -> impl Iterator<Item = (&Exposed, f64)> {
-        self.exposed.iter().filter_map(|one| Some((one, one.value(&self.grammar)?)))
+        let constants = if self.exposed.is_empty() { Vec::new() } else { self.grammar.constants() };
+        self.exposed.iter().filter_map(move |one| Some((one, one.value(&constants)?)))
     }
 
     /// The grammar with every constant that is a knob as the rules define it.
@@ -226,15 +222,18 @@ impl LSystem {
 
     /// Turns a constant that is a knob; `false` where there is none of this name.
     pub(crate) fn set_exposed(&mut self, name: &str, value: f64) -> bool {
-        if !self.exposed_values().any(|(one, _)| one.knob.name == name) {
+        let Some(name) = self.exposed_values().map(|(one, _)| one.knob.name).find(|known| *known == name)
+        else {
             return false;
-        }
+        };
         match self.grammar.defining(name, &value.to_string()) {
             Ok(grammar) => {
                 self.grammar = grammar;
-                self.unfit = None;
+                self.unfit.remove(name);
             }
-            Err(error) => self.unfit = Some(error),
+            Err(error) => {
+                self.unfit.insert(name, error);
+            }
         }
         true
     }

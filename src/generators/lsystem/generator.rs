@@ -41,7 +41,7 @@ impl Generator for LSystems {
         LSystem::FIELDS.iter().map(|field| field.knob).collect()
     }
 
-    fn takes_own_knobs(&self) -> bool {
+    fn takes_declared_knobs(&self) -> bool {
         true
     }
 
@@ -213,7 +213,7 @@ impl Settings for LSystem {
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        if let Some(error) = &self.unfit {
+        if let Some(error) = self.unfit.values().next() {
             return Err(GeneratorError::failed(error.clone()));
         }
         let Drawn { mut branching, organs, symbols } = grow(&self.grammar, &self.turtle(task.seed), monitor)?;

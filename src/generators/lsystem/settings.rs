@@ -1,5 +1,7 @@
 //! A grammar and how it is drawn: the settings of the generator.
 
+use std::collections::BTreeMap;
+
 use linden_base::knob::{Field, Kind, integer, real};
 use linden_base::{field, words};
 use linden_skeleton::generator::Steps;
@@ -27,8 +29,8 @@ pub struct LSystem {
     pub grammar: Grammar,
     /// Constants of the grammar that are knobs. See [`LSystem::expose`].
     pub exposed: Vec<Exposed>,
-    /// What one of them was set to that the grammar cannot have: growing says so.
-    pub unfit: Option<DefineError>,
+    /// What some of them were set to, by name, that the grammar cannot have: growing says so.
+    pub unfit: BTreeMap<&'static str, DefineError>,
     /// Turn of `+` and the like, degrees.
     pub angle_deg: f64,
     /// Rewriting steps.
@@ -67,7 +69,7 @@ impl LSystem {
         Self {
             grammar,
             exposed: Vec::new(),
-            unfit: None,
+            unfit: BTreeMap::new(),
             angle_deg: 25.0,
             derivations: 4,
             age: 1.0,

@@ -1,6 +1,8 @@
 //! Presets: a document ⇄ what the pipeline needs, and the table of knobs between them.
 
 mod ages;
+#[cfg(test)]
+mod declared_knob_tests;
 mod define;
 mod edit;
 mod edits;
@@ -14,8 +16,6 @@ mod kinds;
 mod knobs;
 mod library;
 mod mention;
-#[cfg(test)]
-mod own_knob_tests;
 mod parameters;
 #[cfg(test)]
 mod part_tests;

@@ -66,7 +66,7 @@ pub(super) fn parse(bytes: &[u8], room: &mut Room<'_>) -> Result<Data, ReadError
     let [major, minor, patch, ..] = bootstrap.numbers::<8>()?;
     if major != 0 || !(OLDEST..=NEWEST).contains(&minor) {
         return Err(broken(format!(
-            "its binary layer is of version {major}.{minor}.{patch}; read are 0.{OLDEST} to 0.{NEWEST}; \
+            "its binary layer is of version {major}.{minor}.{patch}; 0.{OLDEST} to 0.{NEWEST} can be read; \
              'usdcat in.usdc -o out.usda' (usd-core) makes text of it"
         )));
     }

@@ -166,8 +166,11 @@ fn a_number_that_the_other_constants_cannot_have_is_said_when_it_grows() {
     preset.set("long", "1").unwrap();
     let said = grow(&Recipe::new(preset.clone()), &Quiet).unwrap_err().to_string();
     assert!(said.contains("long=1: rule 3, column 14") && said.contains("inf"), "{said}");
+    // Another knob that can be turned hides nothing.
+    preset.set("limb", "50").unwrap();
+    assert!(grow(&Recipe::new(preset.clone()), &Quiet).is_err());
     preset.set("long", "3").unwrap();
-    assert_limb(&preset, 45.0, 0.25);
+    assert_limb(&preset, 50.0, 0.25);
 }
 
 #[test]
