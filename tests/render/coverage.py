@@ -17,8 +17,6 @@ import tempfile
 from pathlib import Path
 
 import bpy  # Before mathutils, which it brings.
-import bpy  # Before mathutils, which it brings.
-import bpy  # Before mathutils, which it brings.
 import numpy
 from mathutils import Vector
 from PIL import Image
