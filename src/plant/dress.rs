@@ -113,8 +113,8 @@ pub struct Wardrobe {
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
-    /// What the first kind's part and material are called.
-    foliage_name: &'static str,
+    /// The kind that branch cards are, where there are any.
+    cards: Option<usize>,
 }
 
 impl Wardrobe {
@@ -126,8 +126,7 @@ impl Wardrobe {
         let (bark, thin_barks) = (bark(specimen, monitor)?, thin_barks(specimen, monitor)?);
         let mossy = moss::materials(specimen, &bark, monitor)?;
         let (covers, shapes) = (Vec::new(), Vec::new().into());
-        Self { bark, thin_barks, mossy, covers, shapes, foliage_name: LEAVES }
-            .in_season(specimen, organs, monitor)
+        Self { bark, thin_barks, mossy, covers, shapes, cards: None }.in_season(specimen, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -146,13 +145,32 @@ impl Wardrobe {
 
     /// The same bark, with branch cards in place of leaves.
     pub(crate) fn with_cards(&self, cover: Cover, shapes: Arc<[LeafShape]>) -> Self {
-        Self { covers: vec![Some(cover)], shapes, foliage_name: CARDS, ..self.bare() }
+        Self { covers: vec![Some(cover)], shapes, cards: Some(0), ..self.bare() }
+    }
+
+    /// The same with branch cards beside leaves, as a further kind.
+    pub(crate) fn with_leaves_and_cards(&self, cover: Cover, cards: &[LeafShape]) -> Self {
+        let kind = self.covers.len();
+        let numbered = cards.iter().map(|card| LeafShape { kind: kind as u8, ..card.clone() });
+        let shapes = self.shapes.iter().cloned().chain(numbered).collect();
+        let covers = self.covers.iter().cloned().chain([Some(cover)]).collect();
+        Self { covers, shapes, cards: Some(kind), ..self.bare() }
+    }
+
+    /// The same with leaves of other shapes, as many of each kind.
+    pub(crate) fn with_shapes(&self, shapes: Arc<[LeafShape]>) -> Self {
+        Self { covers: self.covers.clone(), shapes, cards: self.cards, ..self.bare() }
+    }
+
+    /// Of all kinds.
+    pub(crate) const fn shapes(&self) -> &Arc<[LeafShape]> {
+        &self.shapes
     }
 
     /// The same barks without anything on the wood.
     fn bare(&self) -> Self {
         let (bark, thin_barks, mossy) = (self.bark.clone(), self.thin_barks.clone(), self.mossy.clone());
-        Self { bark, thin_barks, mossy, covers: Vec::new(), shapes: Vec::new().into(), foliage_name: LEAVES }
+        Self { bark, thin_barks, mossy, covers: Vec::new(), shapes: Vec::new().into(), cards: None }
     }
 
     /// What the thinnest wood is covered with.
@@ -359,7 +377,10 @@ impl Wardrobe {
                     numbered(if organs.shapes.is_empty() { "leaves" } else { "organs" }, i),
                     colors.get(i).copied().map_or([0.0; 3], linear),
                 ),
-                Look::Kind(i) => (numbered(self.foliage_name, i), cover.map_or([0.0; 3], mean_color)),
+                Look::Kind(i) => {
+                    let name = if self.cards == Some(i) { CARDS.to_owned() } else { numbered(LEAVES, i) };
+                    (name, cover.map_or([0.0; 3], mean_color))
+                }
             };
             let mut part = Part::new(name.clone(), materials.len(), mesh);
             let is_placed = !organs.placed.prototypes.is_empty();

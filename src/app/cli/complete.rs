@@ -190,7 +190,7 @@ fn known(line: &[String]) -> Vec<Named> {
 /// The words that a kind takes; none for numbers.
 fn values(kind: &Kind) -> Vec<String> {
     let words = match kind {
-        Kind::Words(words) => words.to_vec(),
+        Kind::Words(words) | Kind::Sequence { words, .. } => words.to_vec(),
         Kind::Colors { auto: true, .. } => vec!["auto"],
         other => other.words(),
     };

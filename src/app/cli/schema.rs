@@ -342,6 +342,9 @@ fn of(knob: &Knob) -> Value {
             json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
         }
         Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
+        Kind::Sequence { words, most } => {
+            json!({ "type": "array", "items": { "enum": words }, "maxItems": most })
+        }
         Kind::Colors { most, auto } => {
             let color = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
             or_auto(auto, json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most }))

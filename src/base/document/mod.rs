@@ -293,7 +293,7 @@ impl Node {
                 let numbers = items.iter().map(Self::number).collect::<Option<_>>();
                 Value::Reals(numbers.ok_or_else(|| self.mismatch(name, "numbers [x, y, …]"))?)
             }
-            (Datum::List(items), Kind::Words(_) | Kind::Colors { .. }) => {
+            (Datum::List(items), Kind::Words(_) | Kind::Sequence { .. } | Kind::Colors { .. }) => {
                 let words = items.iter().map(|item| item.text(name)).collect::<Result<Vec<_>, _>>()?;
                 let listed = if words.is_empty() { "none".to_owned() } else { words.join(" ") };
                 return kind.parse(&listed).map_err(fault);

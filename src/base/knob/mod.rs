@@ -131,6 +131,13 @@ pub enum Kind {
     },
     /// Some of some words, in the order in which they count, each at most once; or `none`.
     Words(&'static [&'static str]),
+    /// Words of some in a row, one a level, say, the last for all further ones; or `none`.
+    Sequence {
+        /// Of these.
+        words: &'static [&'static str],
+        /// Most words.
+        most: usize,
+    },
     /// One or more sRGB colours, `#rrggbb #rrggbb …`.
     Colors {
         /// Most colours.
@@ -163,7 +170,7 @@ pub enum Value {
     Profile(Vec<[f64; 2]>),
     /// For [`Kind::Reals`].
     Reals(Vec<f64>),
-    /// For [`Kind::Words`]; empty for `none`.
+    /// For [`Kind::Words`] and [`Kind::Sequence`]; empty for `none`.
     Words(Vec<String>),
     /// For [`Kind::Colors`].
     Colors(Vec<[u8; 3]>),
@@ -232,6 +239,9 @@ impl fmt::Display for Kind {
                 write!(f, "up to {most} numbers, {} to {}, like 1 0.5", Short(min), Short(max))
             }
             Self::Words(words) => write!(f, "some of: {}; or {NO_WORDS}", words.join(" ")),
+            Self::Sequence { words, most } => {
+                write!(f, "up to {most} in a row of: {}; or {NO_WORDS}", words.join(" "))
+            }
             Self::Colors { most, auto } => write!(f, "up to {most} colours #rrggbb{}", or_auto(auto)),
         }
     }
@@ -313,8 +323,8 @@ impl Kind {
                 text.split(';').map(|pair| numbers(pair, ',')).collect::<Option<_>>().map(Value::Profile)
             }
             Self::Reals { .. } => items(text).map(number).collect::<Option<_>>().map(Value::Reals),
-            Self::Words(_) if text == NO_WORDS => Some(Value::Words(Vec::new())),
-            Self::Words(words) => {
+            Self::Words(_) | Self::Sequence { .. } if text == NO_WORDS => Some(Value::Words(Vec::new())),
+            Self::Words(words) | Self::Sequence { words, .. } => {
                 let known = |word: &str| words.contains(&word).then(|| word.to_owned());
                 items(text).map(known).collect::<Option<_>>().map(Value::Words)
             }
@@ -352,6 +362,9 @@ impl Kind {
                 .iter()
                 .enumerate()
                 .all(|(i, word)| words.contains(&word.as_str()) && !chosen[..i].contains(word)),
+            (Self::Sequence { words, most }, Value::Words(chosen)) => {
+                chosen.len() <= *most && chosen.iter().all(|word| words.contains(&word.as_str()))
+            }
             (Self::Colors { most, .. }, Value::Colors(colors)) => (1..=*most).contains(&colors.len()),
             _ => false,
         };
@@ -489,6 +502,7 @@ mod tests {
             (Kind::Profile { least: 1, most: 3 }, vec!["0,2", "0,2; 1,0.5; 2,0"]),
             (Kind::Reals { min: -1.0, max: 1.0, most: 3 }, vec!["0.5", "1 0.5 -0.25"]),
             (Kind::Words(&["a", "b"]), vec!["none", "b a"]),
+            (Kind::Sequence { words: &["a", "b"], most: 3 }, vec!["none", "b", "a a b"]),
             (Kind::Colors { most: 2, auto: false }, vec!["#0a80ff", "#0a80ff #000000"]),
             (Kind::Colors { most: 2, auto: true }, vec!["auto", "#0a80ff"]),
         ];
@@ -530,6 +544,10 @@ mod tests {
         assert_eq!(reals.parse("0.5, 1"), Ok(Value::Reals(vec![0.5, 1.0])), "commas separate, too");
         assert!(Kind::Words(&["a", "b"]).parse("a a").is_err(), "each at most once");
         assert!(Kind::Words(&["a", "b"]).parse("a none").is_err());
+        let sequence = Kind::Sequence { words: &["a", "b"], most: 3 };
+        for text in ["a a a a", "c", "a none"] {
+            assert!(sequence.parse(text).is_err(), "{text}");
+        }
         assert!(Kind::Colors { most: 1, auto: true }.parse("#000000 #ffffff").is_err());
         assert!(Kind::Length { min: 1.0, max: 9.0, auto: false }.parse("10D").is_err());
         assert!(Kind::Color { auto: false }.parse("#12345é").is_err());

@@ -6,7 +6,9 @@
 //! rules.
 
 use linden_plant::foliage::Calendar;
-use linden_plant::settings::{Arrangement, Cluster, Dressing, FoliageSettings, Form, LeafKind, TURNING};
+use linden_plant::settings::{
+    Arrangement, Cluster, Dressing, FoliageSettings, Form, LeafKind, LodForm, LodForms, TURNING,
+};
 use linden_plant::surface::{Ends, Junction};
 use linden_plant::texture::leaf::{LeafLook, Outline};
 use linden_plant::wind::Wind;
@@ -575,6 +577,34 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
+        knobs: &["lod_form", "lod_weight"],
+        why: |preset| {
+            let detail = &preset.dressing.detail;
+            when(
+                detail.finest() == 0 && detail.triangle_levels() == 1,
+                "there is one level, with everything: it is for triangles and lods",
+            )
+        },
+    },
+    Rule {
+        knobs: &["lod_form"],
+        why: |preset| {
+            let all_cards = |forms: &LodForms| {
+                !forms.0.is_empty() && forms.0.iter().all(|form| *form == LodForm::BranchCard)
+            };
+            let is_idle =
+                !preset.dressing.detail.branch_cards && all_cards(&preset.dressing.foliage.first.lod_forms);
+            when(is_idle, "branch_cards is false")
+        },
+    },
+    Rule {
+        knobs: &["lod_weight"],
+        why: |preset| {
+            let kinds = preset.dressing.foliage.kinds().filter(|kind| kind.form != Form::None).count();
+            when(kinds < 2 && !preset.places_organs(), "there is one kind: weights count by their ratios")
+        },
+    },
+    Rule {
         knobs: &["card_size"],
         why: |preset| when(!preset.dressing.detail.branch_cards, "branch_cards is false"),
     },
@@ -642,6 +672,8 @@ const LOOKS: &[&str] = &[
     "cluster_length",
     "cluster_stalk",
     "cluster_facing",
+    "lod_form",
+    "lod_weight",
 ];
 
 /// What changes nothing of leaves that are not there: most of what says how they look.
@@ -667,6 +699,8 @@ const OUT_OF_SEASON: &[&str] = &[
     "cluster_length",
     "cluster_stalk",
     "cluster_facing",
+    "lod_form",
+    "lod_weight",
 ];
 
 /// What says where leaves grow.

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
 use super::cards::Cards;
+use super::forms::in_level;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Calendar, Organs, sprout};
@@ -186,7 +187,8 @@ impl Plan {
             return Ok(Self { details: None });
         }
         let simplifier = Simplifier::new(tubes, body, monitor)?;
-        let full = simplifier.full_triangles(monitor)?;
+        let foliage = &dressing.foliage;
+        let full = simplifier.in_level(foliage, 0, monitor)?.full_triangles(monitor)?;
         let mut details = Vec::new();
         let mut are_cards_missed = false;
         if !budgets.is_empty() {
@@ -200,9 +202,11 @@ impl Plan {
                     most + 1
                 ));
             }
-            for &budget in &budgets[most..] {
+            for (number, &budget) in budgets[most..].iter().enumerate() {
+                let simplifier = simplifier.in_level(foliage, number, monitor)?;
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
                 are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
+                notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             }
             return Ok(Self::of(details, dressing, are_cards_missed, notes));
         }
@@ -213,6 +217,7 @@ impl Plan {
             budget = full;
         }
         for level in 0..detail.lods.max(1) {
+            let simplifier = simplifier.in_level(foliage, level as usize, monitor)?;
             if level > 0 && budget < least {
                 notes.push(format!(
                     "lods={}: after {level} levels nothing is left to leave out ({least} triangles)",
@@ -222,6 +227,8 @@ impl Plan {
             }
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
             are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
+            let number = level as usize;
+            notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
         Ok(Self::of(details, dressing, are_cards_missed, notes))
@@ -280,28 +287,29 @@ impl Plan {
             }
             Some(details) => {
                 let simplifier = Simplifier::new(tubes, body, monitor)?;
+                let foliage = &specimen.dressing.foliage;
                 let are_seen = specimen.wanted.surface;
-                let carded = || details.iter().filter(|level| are_seen && level.card_m > 0.0);
                 let mut pieces = Vec::new();
-                for level in carded() {
-                    pieces.push(simplifier.pieces(level, monitor)?);
+                for (number, level) in details.iter().enumerate() {
+                    if are_seen && level.card_m > 0.0 {
+                        pieces.push(simplifier.in_level(foliage, number, monitor)?.pieces(level, monitor)?);
+                    }
                 }
                 let size_px = detail.card_size_px;
-                let cards = (!pieces.is_empty())
+                let mut cards = (!pieces.is_empty())
                     .then(|| Cards::new(&pieces, specimen, body, wardrobe, size_px, monitor))
                     .transpose()?;
                 drop(pieces);
-                let mut organs = cards.iter().flat_map(|cards| &cards.levels);
-                for level in details {
+                let mut carded = 0;
+                for (number, level) in details.iter().enumerate() {
                     let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-                    let mut thin = simplifier.simplified(level, &held)?;
-                    let mut worn = wardrobe;
-                    if let (Some(cards), true) = (&cards, level.card_m > 0.0) {
-                        worn = &cards.wardrobe;
-                        thin.organs =
-                            organs.next().map_or_else(Organs::default, |organs| Organs::clone(organs));
+                    let mut thin = simplifier.in_level(foliage, number, &held)?.simplified(level, &held)?;
+                    let mut worn = wardrobe.with_shapes(in_level(wardrobe.shapes(), number));
+                    if let (Some(cards), true) = (&mut cards, level.card_m > 0.0) {
+                        (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
+                        carded += 1;
                     }
-                    let mut scene = dressed(thin, worn, field.as_ref(), specimen, body, &held)?;
+                    let mut scene = dressed(thin, &worn, field.as_ref(), specimen, body, &held)?;
                     if level.card_m > 0.0 {
                         // Whatever stands for them, these are the tree's.
                         scene.organs = wardrobe.organs(specimen, body.organs);
@@ -336,6 +344,20 @@ impl Plan {
     }
 }
 
+impl Simplifier<'_> {
+    /// What the user should know of a level where branch cards are wanted and none are.
+    fn note_on_cards(&self, level: usize, detail: &Detail, with_cards: bool) -> Option<String> {
+        let are_missing = with_cards && self.leaves.forms().wants_cards && detail.card_m == 0.0;
+        are_missing.then(|| {
+            format!(
+                "lod_form: level {} has leaves in place of branch cards: its budget is too small for any, or nothing is \
+                 left to be shown on them",
+                level + 1
+            )
+        })
+    }
+}
+
 /// The finest level of a tree, without its meshes.
 #[derive(Clone, Debug)]
 pub struct Finest {
@@ -343,7 +365,7 @@ pub struct Finest {
     pub skeleton: Arc<Skeleton>,
     /// What grows on it; all that grows on the tree where branch cards stand for it.
     pub organs: Arc<Organs>,
-    /// Vertices and triangles of those cards.
+    /// Vertices and triangles of those cards, and of the leaves beside them.
     pub cards: Option<[u64; 2]>,
     /// How its surface is made.
     pub tubes: Tubes,
@@ -365,10 +387,13 @@ pub fn finest(dressing: &Dressing, body: Body<'_>, monitor: &dyn Monitor) -> Res
             tubes: *tubes,
         });
     }
-    let simplifier = Simplifier::new(tubes, body, monitor)?;
+    let simplifier = Simplifier::new(tubes, body, monitor)?.in_level(&dressing.foliage, 0, monitor)?;
     let chosen = simplifier.within(budget, detail.branch_cards, monitor)?;
     let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&chosen, monitor)?;
-    let cards = simplifier.cards(&chosen, monitor)?;
+    let cards = simplifier.cards(&chosen, monitor)?.map(|[vertices, triangles]| {
+        let (beside_vertices, beside_triangles) = organs.amount();
+        [vertices + beside_vertices, triangles + beside_triangles]
+    });
     let organs = if cards.is_some() { Arc::clone(body.organs) } else { Arc::new(organs) };
     Ok(Finest { skeleton: Arc::new(skeleton), organs, cards, tubes })
 }

@@ -11,15 +11,19 @@
 pub mod billboard;
 mod cards;
 mod drawing;
+mod forms;
 pub mod impostor;
 mod leaves;
 mod levels;
 mod solve;
 mod wood;
 
+use std::sync::Arc;
+
 use crate::Body;
 use crate::dress::DressError;
 use crate::foliage::FoliageError;
+use crate::settings::FoliageSettings;
 use crate::surface::{self, SurfaceError, Tubes};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
@@ -28,7 +32,8 @@ use linden_skeleton::organs::Organs;
 
 use self::billboard::BillboardError;
 use self::cards::{Burden, Pieces, TRIANGLES};
-use self::leaves::Leaves;
+use self::forms::LevelForms;
+use self::leaves::{Leaves, Which};
 use self::wood::Wood;
 
 pub use levels::{Finest, Level, Levels, Year, finest, levels, year};
@@ -47,15 +52,12 @@ pub struct Detail {
     /// Axes that are thinner at their base, metres, are left out with all that leaves from them; 0 keeps
     /// all. Of axes that are equally thick some stay a little longer, so that not all go at once.
     pub smallest_radius_m: f32,
-    /// Share of the leaves that is kept, 0 to 1.
+    /// Share of the leaves that is kept, 0 to 1; with branch cards, of those beside them.
     pub leaf_share: f64,
     /// Branch cards stand for pieces of foliage of about this size, metres, in place of all leaves; 0: leaves as
     /// they are.
     pub card_m: f32,
 }
-
-/// Leaves grow no larger than this: beyond it crowns look like balloons.
-const LARGEST_LEAF: f64 = 2.0;
 
 impl Detail {
     /// Everything that there is.
@@ -68,11 +70,6 @@ impl Detail {
             leaf_share: 1.0,
             card_m: 0.0,
         }
-    }
-
-    /// How much larger the leaves are that stay: as much as keeps the area of all, up to twice as long.
-    pub fn leaf_scale(&self) -> f32 {
-        (1.0 / self.leaf_share.max(f64::MIN_POSITIVE)).sqrt().clamp(1.0, LARGEST_LEAF) as f32
     }
 }
 
@@ -128,8 +125,8 @@ linden_base::from_cancellable!(
 /// A grown tree, prepared to be shown with less.
 pub struct Simplifier<'a> {
     tubes: Tubes,
-    wood: Wood<'a>,
-    leaves: Leaves<'a>,
+    wood: Arc<Wood<'a>>,
+    leaves: Arc<Leaves<'a>>,
     organs: &'a Organs,
     skeleton: &'a Skeleton,
 }
@@ -141,7 +138,7 @@ pub struct Simplified {
     pub skeleton: Skeleton,
     /// For each of its axes the axis of the whole tree.
     pub axes: Vec<u32>,
-    /// The leaves that are shown, still hanging on the nodes of the whole tree; none where cards stand for them.
+    /// The leaves that are shown, still hanging on the nodes of the whole tree; without those that cards stand for.
     pub organs: Organs,
     /// How it is swept.
     pub tubes: Tubes,
@@ -160,11 +157,30 @@ impl<'a> Simplifier<'a> {
         monitor.admit("preparing levels of detail", bytes, "grow a smaller tree")?;
         Ok(Self {
             tubes: *tubes,
-            wood: Wood::new(body.skeleton, monitor)?,
-            leaves: Leaves::new(body.organs, monitor)?,
+            wood: Arc::new(Wood::new(body.skeleton, monitor)?),
+            leaves: Arc::new(Leaves::new(body.organs, LevelForms::plain(body.organs), monitor)?),
             organs: body.organs,
             skeleton: body.skeleton,
         })
+    }
+
+    /// The same tree with its foliage as a level has it, 0 for the finest.
+    ///
+    /// # Errors
+    /// [`DetailError::Cancelled`].
+    pub fn in_level(
+        &self,
+        foliage: &FoliageSettings,
+        level: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DetailError> {
+        let forms = LevelForms::of(foliage, self.organs, level);
+        let leaves = if forms == *self.leaves.forms() {
+            Arc::clone(&self.leaves)
+        } else {
+            Arc::new(Leaves::new(self.organs, forms, monitor)?)
+        };
+        Ok(Self { tubes: self.tubes, wood: Arc::clone(&self.wood), leaves, ..*self })
     }
 
     /// What there is with this detail.
@@ -174,7 +190,7 @@ impl<'a> Simplifier<'a> {
     pub fn simplified(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Simplified, DetailError> {
         monitor.check()?;
         let (skeleton, axes) = self.wood.thinned(detail);
-        let organs = if detail.card_m > 0.0 { Organs::default() } else { self.leaves.thinned(detail) };
+        let organs = self.leaves.thinned(detail);
         let tubes = self.tubes(detail);
         Ok(Simplified { skeleton, axes, organs, tubes })
     }
@@ -191,15 +207,15 @@ impl<'a> Simplifier<'a> {
     /// What the cards of a level stand for.
     fn pieces(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Pieces, DetailError> {
         let cut = self.burden(detail).cut(detail.card_m, monitor)?;
-        Ok(Pieces { cut, is_thin: self.wood.thin_nodes(detail) })
+        Ok(Pieces { cut, is_thin: self.wood.thin_nodes(detail), forms: self.leaves.forms().clone() })
     }
 
     /// What cards would stand for.
     fn burden(&self, detail: &Detail) -> Burden {
-        Burden::new(self.skeleton, self.organs, &self.wood.thin_nodes(detail))
+        Burden::new(self.skeleton, self.organs, self.leaves.forms(), &self.wood.thin_nodes(detail))
     }
 
-    /// Vertices and triangles of a level's branch cards; `None` where leaves are shown as they are.
+    /// Vertices and triangles of a level's branch cards; `None` where there are none.
     fn cards(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Option<[u64; 2]>, Cancelled> {
         if detail.card_m == 0.0 {
             return Ok(None);
@@ -214,8 +230,11 @@ impl<'a> Simplifier<'a> {
     /// [`DetailError::Cancelled`].
     pub fn triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {
         let wood = self.wood_triangles(detail, monitor)?;
-        let cards = self.cards(detail, monitor)?;
-        Ok(wood + cards.map_or_else(|| self.leaves.triangles(detail.leaf_share), |[_, triangles]| triangles))
+        let (cards, which) = match self.cards(detail, monitor)? {
+            Some([_, cards]) => (cards, Which::BesideCards),
+            None => (0, Which::All),
+        };
+        Ok(wood + cards + self.leaves.triangles(detail.leaf_share, which))
     }
 
     fn wood_triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {

@@ -1,6 +1,7 @@
 //! From a number of triangles to the detail that has as many.
 
 use super::cards::TRIANGLES;
+use super::leaves::Which;
 use super::{Detail, DetailError, Simplifier};
 use crate::surface::Tubes;
 use linden_base::monitor::Monitor;
@@ -99,8 +100,9 @@ impl Simplifier<'_> {
     ) -> Result<Detail, DetailError> {
         let all = Detail::full(&self.tubes);
         let wood = self.wood_triangles(&all, monitor)?;
-        let leaves = self.leaves.total();
-        if wood + leaves <= budget {
+        let leaves = self.leaves.all();
+        let is_whole = wood + leaves <= budget;
+        if is_whole && !(with_cards && self.leaves.forms().wants_cards) {
             return Ok(all);
         }
         let least_wood = self.wood_triangles(&self.coarse(1.0, 1), monitor)?;
@@ -111,12 +113,15 @@ impl Simplifier<'_> {
         if with_cards && let Some(detail) = self.in_cards(budget, [wood, leaves], least_wood, monitor)? {
             return Ok(detail);
         }
+        if is_whole {
+            return Ok(all);
+        }
         // Each needs its least.
         let for_wood = share_of_wood(budget, wood, leaves);
         let mut detail =
             self.wood_within(for_wood.clamp(least_wood, budget - self.leaves.least()), monitor)?;
         let used = self.wood_triangles(&detail, monitor)?;
-        detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used));
+        detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used), Which::All);
         Ok(detail)
     }
 
@@ -136,18 +141,50 @@ impl Simplifier<'_> {
         least_wood: u64,
         monitor: &dyn Monitor,
     ) -> Result<Option<Detail>, DetailError> {
-        let shares = shares(budget, Amount { wood, leaves, sites: self.organs.sites() }, true);
-        if !shares.in_cards {
+        let forms = self.leaves.forms();
+        let leaf_share = self.share_beside_cards(budget.saturating_sub(share_of_wood(budget, wood, leaves)));
+        let beside = self.leaves.triangles(leaf_share, Which::BesideCards);
+        let (on_cards, _) = self.leaves.total(Which::OnCards);
+        let left = budget.saturating_sub(beside);
+        let shares = shares(left, Amount { wood, leaves: on_cards, sites: self.sites() }, true);
+        if on_cards == 0 || !(shares.in_cards || forms.wants_cards) {
             return Ok(None);
         }
-        let mut detail = self.wood_within(shares.wood.clamp(least_wood, budget), monitor)?;
-        let used = self.wood_triangles(&detail, monitor)?;
+        let mut detail = self.wood_within(shares.wood.clamp(least_wood, left.max(least_wood)), monitor)?;
+        detail.leaf_share = leaf_share;
+        let used = self.wood_triangles(&detail, monitor)? + beside;
         let rest = budget.saturating_sub(used);
         let burden = self.burden(&detail);
         let size_m = self.size_of_pieces(&burden, rest / TRIANGLES, monitor)?;
         let cards = TRIANGLES * burden.count(size_m, monitor)? as u64;
         detail.card_m = size_m;
-        Ok((cards <= rest && within(PROMISED, used + cards, budget)).then_some(detail))
+        let is_met = forms.wants_cards || within(PROMISED, used + cards, budget);
+        Ok((cards > 0 && cards <= rest && is_met).then_some(detail))
+    }
+
+    /// The share of the leaves beside cards: they get of what all leaves may have what they are of these by weight.
+    fn share_beside_cards(&self, for_leaves: u64) -> f64 {
+        let (beside, weight) = self.leaves.total(Which::BesideCards);
+        let (_, others) = self.leaves.total(Which::OnCards);
+        if beside == 0 {
+            return 1.0;
+        }
+        let part = weight / (weight + others).max(f64::MIN_POSITIVE);
+        self.leaves.share_within((for_leaves as f64 * part) as u64, Which::BesideCards)
+    }
+
+    /// How many nodes bear what goes on cards.
+    fn sites(&self) -> u64 {
+        if self.leaves.forms().are_all_on_cards() {
+            return self.organs.sites();
+        }
+        let mut nodes: Vec<u32> = (0..self.organs.len())
+            .filter(|&organ| self.leaves.forms().may_be_on_cards(self.organs, organ))
+            .map(|organ| self.organs.growth(organ).node)
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes.len() as u64
     }
 
     /// All deviations of the wood from one number: 0 is all of it, 1 the stem alone.
@@ -206,7 +243,7 @@ impl Simplifier<'_> {
             }
         }
         let nearer = over.triangles - budget < budget.abs_diff(under.triangles);
-        Ok(if nearer && self.leaves.total() == 0 { over.detail } else { under.detail })
+        Ok(if nearer && self.leaves.all() == 0 { over.detail } else { under.detail })
     }
 
     /// Two neighbours on a path of details, between which the budget lies: `first`, at the path's

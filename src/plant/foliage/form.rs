@@ -11,7 +11,7 @@ use super::mesh::FoliageError;
 use linden_base::input::TriangleMesh;
 use linden_skeleton::organs::LeafShape;
 
-use crate::settings::{Cluster, Form, LeafKind, Normals};
+use crate::settings::{Cluster, Form, LeafKind, LodForm, Normals};
 use crate::texture::leaf::Cell;
 use linden_base::mesh::{Bounds, Mesh};
 
@@ -28,20 +28,43 @@ pub(super) fn shapes(
     cells: &[Cell],
     users_mesh: Option<&TriangleMesh>,
 ) -> Result<Vec<LeafShape>, FoliageError> {
-    let shape = |(variant, cell): (usize, &Cell)| {
+    let made = |kind: &LeafKind, variant: usize, cell: &Cell| {
         let users =
             users_mesh.filter(|_| kind.form == Form::Mesh).map(|mesh| users(mesh, cell)).transpose()?;
-        let mesh = match (kind.cluster, users) {
+        Ok::<_, FoliageError>(match (kind.cluster, users) {
             (_, None) if kind.form == Form::Mesh => Mesh::default(),
             (Cluster::None, Some(mesh)) => mesh,
             (Cluster::None, None) => single(kind, cell),
             (_, users) => cluster::cluster(kind, variant, cells, users.as_ref())?,
-        };
+        })
+    };
+    let lods: Vec<LeafKind> =
+        kind.lod_forms.0.iter().map(|lod| in_form(kind, index, *lod)).collect::<Result<_, _>>()?;
+    let shape = |(variant, cell): (usize, &Cell)| {
+        let mesh = made(kind, variant, cell)?;
         let sketch = sketch(kind, cell, &mesh);
         let is_dome = kind.normals == Normals::Dome;
-        Ok(LeafShape { kind: index as u8, mesh, sketch, color: cell.color, is_dome })
+        let lods = lods.iter().map(|kind| made(kind, variant, cell)).collect::<Result<_, _>>()?;
+        Ok(LeafShape { kind: index as u8, mesh, sketch, color: cell.color, is_dome, lods })
     };
     cells.iter().enumerate().map(shape).collect()
+}
+
+/// Forms that can stand for each other, with the same picture.
+const EXCHANGEABLE: [Form; 4] = [Form::Card, Form::Cross, Form::Tuft, Form::Curved];
+
+/// The `index`-th kind as a level of detail has it.
+fn in_form(kind: &LeafKind, index: usize, lod: LodForm) -> Result<LeafKind, FoliageError> {
+    let form = match lod {
+        // Cards show it as it is.
+        LodForm::BranchCard => kind.form,
+        LodForm::Leaves(form) => form,
+    };
+    let can_change = kind.form == Form::Twig || EXCHANGEABLE.contains(&kind.form);
+    if form != kind.form && !(can_change && EXCHANGEABLE.contains(&form)) {
+        return Err(FoliageError::LodForm { kind: index + 1, form: kind.form.word(), wanted: form.word() });
+    }
+    Ok(LeafKind { form, ..kind.clone() })
 }
 
 /// One leaf, or whatever stands alone.

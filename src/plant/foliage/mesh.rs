@@ -91,6 +91,19 @@ pub enum FoliageError {
         "the mesh of a leaf has no height: it must point along +Y from its foot, its upper side to +Z; export it with Y up"
     )]
     MeshFlat,
+    /// A form that a kind cannot have in a level of detail.
+    #[error(
+        "lod_form: kind {kind} of the foliage has leaf_form={form} and cannot become '{wanted}'; give it {form}, branch-card{}",
+        if *form == "fan" || *form == "mesh" { "" } else { ", card, cross, tuft or curved" }
+    )]
+    LodForm {
+        /// Counted from 1.
+        kind: usize,
+        /// What it is made of.
+        form: &'static str,
+        /// What a level wants of it.
+        wanted: &'static str,
+    },
     /// The picture.
     #[error("drawing leaves: {0}")]
     Picture(#[source] LeafError),

@@ -68,7 +68,7 @@ impl Default for DetailSettings {
 }
 
 /// The most levels of triangles.
-const MOST_LODS: u64 = 8;
+pub(super) const MOST_LODS: usize = 8;
 
 impl DetailSettings {
     /// Its knobs.
@@ -89,7 +89,7 @@ impl DetailSettings {
         ),
         field!(
             "lods",
-            integer(1, MOST_LODS),
+            integer(1, MOST_LODS as u64),
             "",
             "levels of detail: the same tree with fewer triangles each time",
             lods,
@@ -102,7 +102,7 @@ impl DetailSettings {
         ),
         field!(
             "lod_triangles",
-            Kind::Reals { min: 0.0, max: u32::MAX as f64, most: MOST_LODS as usize },
+            Kind::Reals { min: 0.0, max: u32::MAX as f64, most: MOST_LODS },
             "",
             "budget of each level, finest first, like 50000 15000 4000, in place of triangles, lods and lod_ratio; 0: as these say",
             lod_triangles,

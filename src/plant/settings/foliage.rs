@@ -8,6 +8,7 @@ use linden_base::knob::{Knob, Value, excerpt, values};
 use linden_base::{file_key, words};
 
 use super::leaf::LEAF_KNOBS;
+use super::lod::LodForms;
 use crate::texture::leaf::Outline;
 
 /// More kinds would make a picture each.
@@ -212,6 +213,10 @@ pub struct LeafKind {
     pub from_m: Option<f64>,
     /// The share that is kept.
     pub keep: f64,
+    /// What it is made of in each level of detail.
+    pub lod_forms: LodForms,
+    /// How much longer it stays than others where levels leave leaves out.
+    pub lod_weight: f64,
     /// For a further kind: how many places of the first it takes, of 1; 0: it has its own places.
     pub share: f64,
 }
@@ -269,6 +274,8 @@ impl Default for LeafKind {
             cluster_facing: None,
             from_m: None,
             keep: 1.0,
+            lod_forms: LodForms::default(),
+            lod_weight: 1.0,
             share: 0.0,
         }
     }

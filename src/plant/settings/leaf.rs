@@ -6,6 +6,7 @@ use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, re
 
 use super::bloom::BLOOM_KNOBS;
 use super::foliage::{Arrangement, Edge, FoliageSettings, Form, LeafKind, Normals};
+use super::lod::LOD_KNOBS;
 use crate::season::SEASONS;
 use crate::texture::leaf::Outline;
 use linden_skeleton::organs::OrganClass;
@@ -28,12 +29,18 @@ impl FieldValue for Outline {
 }
 
 /// The keys of a kind of organ, beside its name and the files `leaf_mesh` and `leaf_picture`.
-pub const LEAF_KNOBS: [Field<LeafKind>; LOOKS.len() + BLOOM_KNOBS.len() + 1] = {
-    let mut all = [SHARE; LOOKS.len() + BLOOM_KNOBS.len() + 1];
-    let mut i = 0;
-    while i + 1 < all.len() {
-        all[i] = if i < LOOKS.len() { LOOKS[i] } else { BLOOM_KNOBS[i - LOOKS.len()] };
-        i += 1;
+pub const LEAF_KNOBS: [Field<LeafKind>; LOOKS.len() + BLOOM_KNOBS.len() + LOD_KNOBS.len() + 1] = {
+    let mut all = [SHARE; LOOKS.len() + BLOOM_KNOBS.len() + LOD_KNOBS.len() + 1];
+    let parts: [&[Field<LeafKind>]; 3] = [&LOOKS, &BLOOM_KNOBS, &LOD_KNOBS];
+    let (mut at, mut part) = (0, 0);
+    while part < parts.len() {
+        let mut row = 0;
+        while row < parts[part].len() {
+            all[at] = parts[part][row];
+            row += 1;
+            at += 1;
+        }
+        part += 1;
     }
     all
 };

@@ -5,6 +5,7 @@ mod bloom;
 mod detail;
 mod foliage;
 mod leaf;
+mod lod;
 mod moss;
 mod surface;
 mod wind;
@@ -18,6 +19,7 @@ pub use foliage::{
     Normals, TURNING, check_kind_name, read,
 };
 pub use leaf::LEAF_KNOBS;
+pub use lod::{LodForm, LodForms};
 pub use moss::MossSettings;
 pub use wind::WindSettings;
 

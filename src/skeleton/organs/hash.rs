@@ -24,7 +24,8 @@ impl Organs {
         fingerprint.vectors(ups);
         fingerprint.reals(sizes_m);
         add_origins(&mut fingerprint, growth);
-        for LeafShape { kind, mesh, sketch, color, is_dome } in shapes.iter() {
+        // Levels of detail stand for the same organs.
+        for LeafShape { kind, mesh, sketch, color, is_dome, lods: _ } in shapes.iter() {
             let [red, green, blue] = *color;
             fingerprint.words([*kind, red, green, blue, u8::from(*is_dome)].map(u32::from));
             add_mesh(&mut fingerprint, mesh);
@@ -69,8 +70,14 @@ mod tests {
             uvs: vec![Vec2::splat(from + 2.0), Vec2::splat(from + 3.0)],
             triangles: vec![[0, 1, 1]],
         };
-        let shape =
-            LeafShape { kind: 1, mesh: mesh(20.0), sketch: mesh(30.0), color: [1, 2, 3], is_dome: false };
+        let shape = LeafShape {
+            kind: 1,
+            mesh: mesh(20.0),
+            sketch: mesh(30.0),
+            color: [1, 2, 3],
+            is_dome: false,
+            lods: Vec::new(),
+        };
         Organs {
             polygons: Polygons {
                 corners: vectors(1.0),

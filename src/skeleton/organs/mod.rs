@@ -67,6 +67,9 @@ pub struct LeafShape {
     pub color: [u8; 3],
     /// Whether its normals point out of the crown.
     pub is_dome: bool,
+    /// What stands for `mesh` in each level of detail, finest first, the last in all further ones, with texture
+    /// coordinates of the same cell. Empty: `mesh` in all.
+    pub lods: Vec<Mesh>,
 }
 
 /// Organs of [`PROTOTYPES`] and [`Organs::shapes`], each with its frame. Where nothing else is said, the
@@ -232,8 +235,14 @@ impl Organs {
 
     /// The mesh of an organ of `placed`.
     pub fn mesh(&self, placed: usize) -> &Mesh {
-        let prototype = usize::from(self.placed.prototypes[placed]) % PROTOTYPES.len();
-        self.shape(placed).map_or_else(|| PROTOTYPES[prototype].mesh(), |shape| &shape.mesh)
+        self.prototype_mesh(self.placed.prototypes[placed])
+    }
+
+    /// The mesh of what [`PlacedOrgans::prototypes`] has by this number.
+    pub fn prototype_mesh(&self, prototype: u8) -> &Mesh {
+        let prototype = usize::from(prototype);
+        let shape = prototype.checked_sub(PROTOTYPES.len()).and_then(|shape| self.shapes.get(shape));
+        shape.map_or_else(|| PROTOTYPES[prototype % PROTOTYPES.len()].mesh(), |shape| &shape.mesh)
     }
 
     /// The mean colour of an organ (the polygons are counted first), sRGB, where its kind has one:

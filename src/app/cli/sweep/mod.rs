@@ -152,6 +152,7 @@ fn is_list(name: &str) -> bool {
                 | Kind::Profile { .. }
                 | Kind::Reals { .. }
                 | Kind::Words(_)
+                | Kind::Sequence { .. }
                 | Kind::Colors { .. }
         )
     };

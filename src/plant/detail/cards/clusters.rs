@@ -6,6 +6,7 @@
 
 use glam::{DMat3, DVec3, Vec3};
 
+use super::super::forms::LevelForms;
 use super::super::wood::GOLDEN;
 use super::{Rod, rods};
 use linden_base::memory::bytes_of;
@@ -103,10 +104,10 @@ pub(in crate::detail) struct Cut {
 }
 
 impl Burden {
-    pub fn new(skeleton: &Skeleton, organs: &Organs, is_thin: &[bool]) -> Self {
+    pub fn new(skeleton: &Skeleton, organs: &Organs, forms: &LevelForms, is_thin: &[bool]) -> Self {
         let nodes = skeleton.positions.len();
         let mut borne = vec![Mass::NOTHING; nodes];
-        for Rod { node, from, to, weight } in rods(skeleton, organs, is_thin) {
+        for Rod { node, from, to, weight } in rods(skeleton, organs, forms, is_thin) {
             if let Some(there) = borne.get_mut(node as usize) {
                 *there = there.with(&Mass::rod(from, to, weight.into()));
             }

@@ -40,7 +40,7 @@ impl Deck {
         most: usize,
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
-        let Pieces { cut, is_thin } = pieces;
+        let Pieces { cut, is_thin, forms } = pieces;
         let frames: Vec<Frame> = cut
             .pieces
             .iter()
@@ -50,7 +50,7 @@ impl Deck {
                 Frame::of(mass, foot)
             })
             .collect();
-        let looks = looks(cut, &frames, rods(skeleton, organs, is_thin));
+        let looks = looks(cut, &frames, rods(skeleton, organs, forms, is_thin));
         monitor.check()?;
         let count = frames.len();
         let groups = most.clamp(1, usize::from(u8::MAX)).min(count);

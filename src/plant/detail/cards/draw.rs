@@ -254,8 +254,11 @@ fn model(
     monitor: &dyn Monitor,
 ) -> Result<Model, DetailError> {
     let Cut { piece_of, .. } = &level.cut;
-    let is_in = |organ: usize| piece_of.get(body.organs.growth(organ).node as usize) == Some(&piece);
-    let organs = Arc::new(selected(body.organs, is_in, 1.0));
+    let is_in = |organ: usize| {
+        piece_of.get(body.organs.growth(organ).node as usize) == Some(&piece)
+            && level.forms.may_be_on_cards(body.organs, organ)
+    };
+    let organs = Arc::new(selected(body.organs, is_in, |_| 1.0));
     let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
     let mut parts = vec![(0, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
     let (found, foliage) =

@@ -16,8 +16,10 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::forms::LevelForms;
 use super::{DetailError, Simplifier};
 use crate::dress::Wardrobe;
+use crate::foliage::Cover;
 use crate::{Body, Specimen};
 use linden_base::mesh::Mesh;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -52,10 +54,13 @@ const OF_WOOD: f32 = 0.5;
 fn rods<'a>(
     skeleton: &'a Skeleton,
     organs: &'a Organs,
+    forms: &'a LevelForms,
     is_thin: &'a [bool],
 ) -> impl Iterator<Item = Rod> + 'a {
     let least = 1e-12;
-    let polygons = (0..organs.polygons.ends.len()).filter_map(move |polygon| {
+    let polygons = organs.polygons.ends.len();
+    let is_shown = move |organ: &usize| forms.may_be_on_cards(organs, *organ);
+    let outlines = (0..polygons).filter(is_shown).filter_map(move |polygon| {
         let corners = organs.corners_of(polygon);
         let from = *corners.first()?;
         // Opposite to where it is attached.
@@ -64,7 +69,7 @@ fn rods<'a>(
         Some(Rod { node: organs.polygons.growth.nodes[polygon], from, to, weight })
     });
     let placed = &organs.placed;
-    let leaves = (0..placed.len()).map(move |organ| {
+    let leaves = (0..placed.len()).filter(move |organ| is_shown(&(polygons + organ))).map(move |organ| {
         let (from, size_m) = (placed.positions[organ], placed.sizes_m[organ]);
         let to = from + placed.headings[organ] * size_m;
         Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(least) }
@@ -76,7 +81,7 @@ fn rods<'a>(
         let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(least);
         Some(Rod { node: node as u32, from, to, weight })
     });
-    polygons.chain(leaves).chain(thin)
+    outlines.chain(leaves).chain(thin)
 }
 
 /// A level's pieces, with the wood that is not among them.
@@ -84,14 +89,16 @@ pub(super) struct Pieces {
     pub cut: Cut,
     /// For each node whether its piece of wood is thin: the cards show it.
     pub is_thin: Vec<bool>,
+    /// Which organs the cards show.
+    pub forms: LevelForms,
 }
 
 /// Branch cards of some levels.
 pub(super) struct Cards {
-    /// What they are dressed in.
-    pub wardrobe: Wardrobe,
-    /// Those of each level, as organs.
-    pub levels: Vec<Arc<Organs>>,
+    cover: Cover,
+    shapes: Arc<[LeafShape]>,
+    /// Those of each level.
+    levels: Vec<PlacedOrgans>,
 }
 
 impl Cards {
@@ -117,20 +124,40 @@ impl Cards {
             deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
         });
         let drawn = draw::draw(models, specimen, body, wardrobe, size_px, monitor)?;
-        let color = drawn.color();
-        let shape = |mesh: Mesh| LeafShape { kind: 0, sketch: mesh.clone(), mesh, color, is_dome: true };
+        let (color, kind) = (drawn.color(), 0);
+        let shape = |mesh: Mesh| LeafShape {
+            kind,
+            sketch: mesh.clone(),
+            mesh,
+            color,
+            is_dome: true,
+            lods: Vec::new(),
+        };
         let shapes: Arc<[LeafShape]> = drawn.meshes.into_iter().map(shape).collect();
         let mut first = PROTOTYPES.len();
         let mut organs = Vec::with_capacity(levels.len());
         for (level, deck) in levels.iter().zip(decks) {
-            organs.push(Arc::new(Organs {
-                placed: placed(level, &deck, first),
-                shapes: Arc::clone(&shapes),
-                ..Organs::default()
-            }));
+            organs.push(placed(level, &deck, first));
             first += deck.prototypes.len();
         }
-        Ok(Self { wardrobe: wardrobe.with_cards(drawn.cover, shapes), levels: organs })
+        Ok(Self { cover: drawn.cover, shapes, levels: organs })
+    }
+
+    /// The cards of the `index`-th of its levels, beside leaves that the level has, and what all of them wear. The
+    /// wardrobe's leaves are those of the level.
+    pub fn beside(&mut self, index: usize, leaves: Organs, wardrobe: &Wardrobe) -> (Organs, Wardrobe) {
+        let mut cards = std::mem::take(&mut self.levels[index]);
+        if leaves.is_empty() {
+            let worn = wardrobe.with_cards(self.cover.clone(), Arc::clone(&self.shapes));
+            let organs = Organs { placed: cards, shapes: Arc::clone(&self.shapes), ..Organs::default() };
+            return (organs, worn);
+        }
+        let worn = wardrobe.with_leaves_and_cards(self.cover.clone(), &self.shapes);
+        let before = leaves.shapes.len() as u8;
+        cards.prototypes.iter_mut().for_each(|card| *card += before);
+        let mut organs = Organs { shapes: Arc::clone(worn.shapes()), ..leaves };
+        organs.placed.append(cards);
+        (organs, worn)
     }
 }
 
