@@ -417,7 +417,7 @@ pub fn draw_ahead(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<(), 
     moss::materials(specimen, &bark(specimen, monitor)?, monitor)?;
     thin_barks(specimen, monitor)?;
     // Cards show leaves in smaller pictures, and which levels have cards is known of grown trees alone.
-    let has_budget = specimen.dressing.detail.finest() > 0 || specimen.dressing.detail.triangle_levels() > 1;
+    let has_budget = !specimen.dressing.detail.is_whole();
     let has_leaves = specimen.wanted.surface || specimen.wanted.organs;
     let foliage = &specimen.dressing.foliage;
     if has_leaves && !has_budget && foliage.first.form != Form::None {

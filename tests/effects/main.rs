@@ -155,7 +155,9 @@ fn values(kind: &Kind, now: &Value) -> Vec<String> {
         (Kind::Reals { .. }, _) => {
             ["1 3 0 2 4 1", "0.4", "0.1 0.2", "2 3", "300 100", "-0.5 0.2"].map(str::to_owned).to_vec()
         }
-        (Kind::Words(words), _) => words.iter().map(|&word| word.to_owned()).collect(),
+        (Kind::Words(words) | Kind::Sequence { words, .. }, _) => {
+            words.iter().map(|&word| word.to_owned()).collect()
+        }
         (Kind::Colors { .. }, _) => vec!["#c04010 #10c040".to_owned(), "#c04010".to_owned()],
         (Kind::Integer { .. }, _) => Vec::new(),
     };

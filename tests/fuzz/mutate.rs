@@ -114,7 +114,7 @@ fn value(knob: &PresetKnob, dice: &mut Dice) -> String {
             };
             (0..count).map(one).collect::<Vec<_>>().join(" ")
         }
-        Kind::Words(words) => match dice.below(words.len() + 1) {
+        Kind::Words(words) | Kind::Sequence { words, .. } => match dice.below(words.len() + 1) {
             0 => "none".to_owned(),
             first => format!("{} {}", words[first - 1], words[dice.below(words.len())]),
         },

@@ -569,19 +569,14 @@ static RULES: &[Rule] = &[
     Rule {
         knobs: &["branch_cards", "card_size"],
         why: |preset| {
-            let detail = &preset.dressing.detail;
-            when(
-                detail.finest() == 0 && detail.triangle_levels() == 1,
-                "all leaves are shown: it is for triangles and lods",
-            )
+            when(preset.dressing.detail.is_whole(), "all leaves are shown: it is for triangles and lods")
         },
     },
     Rule {
         knobs: &["lod_form", "lod_weight"],
         why: |preset| {
-            let detail = &preset.dressing.detail;
             when(
-                detail.finest() == 0 && detail.triangle_levels() == 1,
+                preset.dressing.detail.is_whole(),
                 "there is one level, with everything: it is for triangles and lods",
             )
         },

@@ -41,9 +41,9 @@ impl LevelForms {
         let is_there = |kind: usize| organs.shapes.iter().any(|shape| usize::from(shape.kind) == kind);
         let of_kinds = (0..kinds.len()).filter(|&kind| is_there(kind)).map(|kind| kinds[kind].0);
         let least = of_kinds.filter(|weight| *weight > 0.0).fold(f64::INFINITY, f64::min);
-        let least = if least.is_finite() { least } else { 1.0 };
         let standing = |(weight, form): (f64, Option<LodForm>)| Standing {
-            weight: weight / least,
+            // Where none has any, all are alike.
+            weight: if least.is_finite() { weight / least } else { 1.0 },
             may_be_on_cards: !matches!(form, Some(LodForm::Leaves(_))),
         };
         let plain = Self::plain(organs);

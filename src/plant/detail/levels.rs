@@ -183,7 +183,7 @@ impl Plan {
         if let Some(pair) = budgets.windows(2).find(|pair| pair[0] <= pair[1]) {
             return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });
         }
-        if detail.finest() == 0 && detail.triangle_levels() == 1 {
+        if detail.is_whole() {
             return Ok(Self { details: None });
         }
         let simplifier = Simplifier::new(tubes, body, monitor)?;

@@ -18,13 +18,13 @@ use linden_base::mesh::{Bounds, Mesh};
 /// The most triangles of a user's mesh: there will be thousands of it.
 pub(super) const MAX_TRIANGLES: usize = 20_000;
 
-/// The variants of the `index`-th kind, one for each cell of its picture.
+/// The variants of the `index`-th kind, one for each cell of its picture, with those of levels of detail.
 ///
 /// # Errors
 /// [`FoliageError`]: a user's mesh that cannot be used.
 pub(super) fn shapes(
-    kind: &LeafKind,
-    index: usize,
+    (index, kind): (usize, &LeafKind),
+    lods: &[LodForm],
     cells: &[Cell],
     users_mesh: Option<&TriangleMesh>,
 ) -> Result<Vec<LeafShape>, FoliageError> {
@@ -38,8 +38,7 @@ pub(super) fn shapes(
             (_, users) => cluster::cluster(kind, variant, cells, users.as_ref())?,
         })
     };
-    let lods: Vec<LeafKind> =
-        kind.lod_forms.0.iter().map(|lod| in_form(kind, index, *lod)).collect::<Result<_, _>>()?;
+    let lods: Vec<LeafKind> = lods.iter().map(|lod| in_form(kind, index, *lod)).collect::<Result<_, _>>()?;
     let shape = |(variant, cell): (usize, &Cell)| {
         let mesh = made(kind, variant, cell)?;
         let sketch = sketch(kind, cell, &mesh);

@@ -119,7 +119,8 @@ pub(crate) fn kind_shapes(
         },
         _ => None,
     };
-    shapes(kind, index, cells, mesh.map(|mesh| &**mesh))
+    let lods = if specimen.dressing.detail.is_whole() { &[] } else { &kind.lod_forms.0[..] };
+    shapes((index, kind), lods, cells, mesh.map(|mesh| &**mesh))
 }
 
 /// A kind and what is the same for all its leaves.

@@ -45,6 +45,11 @@ impl DetailSettings {
         if listed { self.lod_triangles.iter().map(|&budget| budget as u64).collect() } else { Vec::new() }
     }
 
+    /// Whether there is one level of triangles, with everything.
+    pub fn is_whole(&self) -> bool {
+        self.finest() == 0 && self.triangle_levels() == 1
+    }
+
     /// The budget of the finest level; 0: all triangles that there are.
     pub fn finest(&self) -> u64 {
         self.budgets().first().copied().unwrap_or(self.triangles)

@@ -562,7 +562,7 @@ proptest! {
 #[test]
 fn a_knob_is_found_by_letters_of_its_name() {
     let mut bench = FormBench::new("dressed-simple");
-    bench.on("points").keys("/").typed("lfo");
+    bench.on("points").keys("/").typed("lefo");
     assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("leaf_form")));
     bench.keys("enter");
     assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("leaf_form")));
