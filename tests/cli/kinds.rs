@@ -58,6 +58,6 @@ fn what_is_no_kind_is_said_and_nothing_is_written() {
         assert!(run.err.contains(said), "{set}: {}", run.err);
         assert!(!folder.file("x.glb").exists());
     }
-    let note = folder.run(&["stats", "apple", "--set", "points=100", "--set", "blossom.twig_leaves=3"]).err;
+    let note = folder.run(&["stats", "drawn-apple", "--set", "points=100", "--set", "blossom.twig_leaves=3"]).err;
     assert!(note.contains("blossom.twig_leaves changes nothing: it is for leaf_form=twig"), "{note}");
 }

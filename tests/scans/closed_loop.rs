@@ -49,7 +49,7 @@ const SUBJECTS: [Subject; 10] = [
     subject("cylinder", 12, Use::Judging),
     subject("flame", 13, Use::Judging),
     subject("abop-ternary-a", 14, Use::Judging),
-    subject("apple", 15, Use::Judging),
+    subject("drawn-apple", 15, Use::Judging),
     subject("cypress", 16, Use::Judging),
 ];
 

@@ -23,7 +23,7 @@ use crate::closed_loop::{Subject, Use, grown_back, median, percent, subject};
 
 /// Those of the table. No species and no seed is in both halves.
 const SUBJECTS: [Subject; 8] = [
-    subject("apple", 3, Use::Tuning),
+    subject("drawn-apple", 3, Use::Tuning),
     subject("ash", 1, Use::Tuning),
     subject("horse-chestnut", 2, Use::Tuning),
     subject("beech", 21, Use::Judging),
@@ -151,7 +151,7 @@ fn leaf_table() {
 /// Within what a user can rely on; the table has the figures.
 #[test]
 fn a_small_tree_in_leaf_comes_back() {
-    let tree = grown(&subject("apple", 3, Use::Tuning));
+    let tree = grown(&subject("drawn-apple", 3, Use::Tuning));
     let truth = TreeSizes::of(&tree.1.skeleton);
     let (bare, in_leaf) = (seen(&tree, 0.3, false), seen(&tree, 0.3, true));
     let on_leaves = in_leaf.is_leaf.iter().filter(|leaf| **leaf).count();

@@ -125,7 +125,7 @@ const PLOTS: [Plot; 8] = [
     Plot {
         name: "apples and cypresses",
         purpose: "judging",
-        kinds: &[("apple", 1.0), ("cypress", 1.0)],
+        kinds: &[("drawn-apple", 1.0), ("cypress", 1.0)],
         seed: 15,
         area_m: 30.0,
         spacing_m: 5.0,

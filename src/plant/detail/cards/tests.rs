@@ -87,7 +87,7 @@ fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec
 #[test]
 fn a_tree_of_cards_covers_what_the_tree_covers() {
     // Coarse pixels and open crowns: by chance alone an apple would come to 0.2, as thinned leaves do.
-    for (id, budget, least) in [("hazel", "8000", 0.65), ("apple", "5000", 0.5)] {
+    for (id, budget, least) in [("hazel", "8000", 0.65), ("drawn-apple", "5000", 0.5)] {
         let (whole, grown) = subject(id, &[]);
         let (few, _) = subject(id, &[("triangles", budget)]);
         let (plain, _) = subject(id, &[("triangles", budget), ("branch_cards", "false")]);
