@@ -2,7 +2,7 @@
 
 use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::{Kind, Knob, Spread};
-use linden::preset::{KNOBS, Preset, ScanSettings, builtins};
+use linden::preset::{KNOBS, LEAF_KNOBS, Preset, ScanSettings, builtins};
 use linden_exporters::REGISTRY;
 
 use crate::program::linden;
@@ -59,8 +59,12 @@ fn is_placeholder(word: &str) -> bool {
 
 fn knob(name: &str) -> Option<Knob> {
     if let Some((format, option)) = name.split_once('.') {
-        let format = REGISTRY.iter().map(|exporter| exporter.format()).find(|found| found.id == format)?;
-        return format.options.iter().map(|row| row.knob).find(|knob| knob.name == option);
+        let formats = || REGISTRY.iter().map(|exporter| exporter.format());
+        return match formats().find(|found| found.id == format) {
+            Some(format) => format.options.iter().map(|row| row.knob).find(|knob| knob.name == option),
+            // A kind of foliage, by its name.
+            None => LEAF_KNOBS.iter().map(|row| row.knob).find(|knob| knob.name == option),
+        };
     }
     let of_presets =
         builtins().iter().filter_map(|builtin| builtin.load().ok()).flat_map(|preset| preset.knobs());

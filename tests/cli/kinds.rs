@@ -6,7 +6,7 @@ const SMALL: [&str; 8] =
     ["--set", "points=300", "--set", "leaf_size=32", "--set", "bark_size=32", "--set", "also.1.leaf_count=1"];
 
 fn export(folder: &Folder, file: &str, more: &[&str]) -> Vec<u8> {
-    let said = folder.run(&[&["export", "apple", "-o", file], &SMALL[..], more].concat());
+    let said = folder.run(&[&["export", "drawn-apple", "-o", file], &SMALL[..], more].concat());
     assert_eq!(said.code, Some(0), "{}", said.err);
     folder.read(file)
 }
@@ -58,6 +58,7 @@ fn what_is_no_kind_is_said_and_nothing_is_written() {
         assert!(run.err.contains(said), "{set}: {}", run.err);
         assert!(!folder.file("x.glb").exists());
     }
-    let note = folder.run(&["stats", "drawn-apple", "--set", "points=100", "--set", "blossom.twig_leaves=3"]).err;
+    let note =
+        folder.run(&["stats", "drawn-apple", "--set", "points=100", "--set", "blossom.twig_leaves=3"]).err;
     assert!(note.contains("blossom.twig_leaves changes nothing: it is for leaf_form=twig"), "{note}");
 }

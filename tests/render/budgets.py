@@ -73,7 +73,7 @@ def in_cycles(shots, size, samples):
         surface.inputs["Base Color"].default_value = (0.24, 0.22, 0.16, 1)
         surface.inputs["Roughness"].default_value = 1
         bpy.context.object.data.materials.append(ground)
-        draw(picture, size, samples)
+        draw(picture, size, samples, is_denoised=True)
         yield triangles
 
 

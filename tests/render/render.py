@@ -102,13 +102,14 @@ def look(middle, size, toward):
     bpy.context.scene.camera = looking
 
 
-def draw(picture, size, samples, is_transparent=False):
-    """What the camera sees, as a PNG of `size` pixels."""
+def draw(picture, size, samples, is_transparent=False, is_denoised=False):
+    """What the camera sees, as a PNG of `size` pixels; without the noise of few samples for what is looked at, with it for what
+    is measured."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.film_transparent = is_transparent
     scene.cycles.samples, scene.cycles.seed = samples, 1
-    scene.cycles.use_denoising = False
+    scene.cycles.use_denoising = is_denoised
     # Leaves stand behind leaves: a ray goes through what is cut out of many.
     scene.cycles.transparent_max_bounces = 128
     scene.view_settings.view_transform = "Standard"

@@ -91,6 +91,45 @@ impl Spread {
         self.value(|_, part| part.shape.middle())
     }
 
+    /// The same spread about another middle, as wide, its ends within the knob's range; `None` for a list, and where the
+    /// middle is no number or in another unit.
+    ///
+    /// ```
+    /// use linden_base::knob::{Spread, Value, real};
+    /// let about = |text: &str, middle: f64| {
+    ///     let spread = Spread::parse(&real(0.0, 10.0), text)?;
+    ///     Ok::<_, String>(spread.about(&Value::Real(middle)).map(|moved| moved.to_string()))
+    /// };
+    /// assert_eq!(about("4 ± 0.6", 4.1)?.as_deref(), Some("4.1 ± 0.6"));
+    /// assert_eq!(about("2..5", 3.6)?.as_deref(), Some("2.1..5.1"));
+    /// assert_eq!(about("2..5", 9.5)?.as_deref(), Some("8..10"));
+    /// # Ok::<(), String>(())
+    /// ```
+    #[must_use]
+    pub fn about(&self, middle: &Value) -> Option<Self> {
+        let [part] = &self.parts[..] else { return None };
+        let (to, in_steps) = match *middle {
+            Value::Real(x) => (x, false),
+            Value::Steps(x) => (x, true),
+            Value::Integer(n) => (n as f64, false),
+            _ => return None,
+        };
+        let Numbers { range, .. } = self.range();
+        let moved = |x: f64, width: f64| {
+            rounded(x + to - part.shape.middle(), width).clamp(*range.start(), *range.end())
+        };
+        let shape = match part.shape {
+            Shape::Fixed(_) => Shape::Fixed(to),
+            Shape::Normal { deviation, .. } => Shape::Normal { mean: to, deviation },
+            Shape::Uniform { low, high } => {
+                Shape::Uniform { low: moved(low, high - low), high: moved(high, high - low) }
+            }
+        };
+        let is_empty = matches!(shape, Shape::Uniform { low, high } if low >= high);
+        let fits = in_steps == part.in_steps && !matches!(self.kind, Kind::Reals { .. }) && !is_empty;
+        fits.then(|| Self { kind: self.kind, parts: vec![Part { shape, in_steps }] })
+    }
+
     /// The value drawn at a place: within the knob's range, and rounded to what a spread of its width can tell apart (a
     /// thousandth of it, or less).
     pub fn draw(&self, key: Key) -> Value {

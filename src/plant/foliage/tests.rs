@@ -724,6 +724,7 @@ fn no_knob_of_leaves_changes_the_wood() {
             Kind::Integer { min, max } => vec![(min + 1).to_string(), (min + 20).min(max).to_string()],
             Kind::Reals { max, .. } => vec![if max < 3.0 { "0.2 0.6" } else { "2 3" }.to_owned()],
             Kind::Colors { .. } => vec!["#123456 #abcdef".to_owned()],
+            Kind::Sequence { words, .. } => vec![words.join(" ")],
             other => panic!("a value of {other:?}"),
         };
         for value in values {

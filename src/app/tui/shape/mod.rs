@@ -218,6 +218,15 @@ fn nudge(model: &mut Model, up: bool, how: Nudge) {
         let what = if selected_edit(model).is_some() { "an edit" } else { "a line of the grammar" };
         return model.say(format!("{what} is typed: press Enter"));
     };
+    // What each seed draws stays drawn, about another middle.
+    if let Some(spread) = model.tree.as_ref().and_then(|tree| tree.preset().spread(&row)) {
+        let to = nudged(&row.knob.kind, &spread.middle(), up, how);
+        let to = to.and_then(|text| row.knob.kind.parse(&text).ok());
+        return match to.and_then(|to| spread.about(&to)) {
+            Some(moved) => turn(model, row.knob.name, &moved.to_string()),
+            None => model.say(format!("the spread of {} is typed: press Enter", row.knob.name)),
+        };
+    }
     // What is left to linden is nudged from what linden has made of it.
     let now = model.tree.as_ref().and_then(|tree| resolved(tree, &row)).filter(|_| value == Value::Auto);
     match nudged(&row.knob.kind, now.as_ref().unwrap_or(&value), up, how) {

@@ -184,6 +184,23 @@ fn what_is_auto_is_nudged_from_what_it_is_now() {
 }
 
 #[test]
+fn a_nudge_moves_a_spread_and_keeps_its_width() {
+    let mut bench = FormBench::new("fir");
+    for (knob, typed, up, down) in [
+        ("base_radius", "0.2 ± 0.02", "0.205 ± 0.02", "0.195 ± 0.02"),
+        ("trunk", "2..3", "2.05..3.05", "1.95..2.95"),
+        ("points", "5000..6000", "5100..6100", "4900..5900"),
+    ] {
+        for (key, expected) in [("right", up), ("left", down)] {
+            bench.on(knob).keys("enter ctrl-u").typed(typed).keys(&format!("enter {key}"));
+            let preset = bench.tree().preset();
+            let row = preset.find_knob(knob).unwrap();
+            assert_eq!(preset.text_of(&row).as_deref(), Some(expected), "{}", bench.said());
+        }
+    }
+}
+
+#[test]
 fn a_tree_that_cannot_grow_marks_the_knob() {
     for (preset, sets, culprit) in [
         ("abop-a", &[("derivations", "30")][..], "derivations"),

@@ -85,6 +85,8 @@ impl Sight {
 struct Model {
     /// Each with its material.
     parts: Vec<(usize, Mesh)>,
+    /// How much of the light that is lost within it is drawn as lost.
+    shade_share: f32,
 }
 
 /// Draws the pieces of some levels.
@@ -150,8 +152,8 @@ pub(super) fn draw<'a>(
                 drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
             }
             let cell = Resolved::of(&canvas, SAMPLES);
-            let light = light_within(canvas.layers(), cell.mean_color());
-            Ok((cell, light))
+            let lost = Vec3::ONE - light_within(canvas.layers(), cell.mean_color());
+            Ok((cell, Vec3::ONE - drawn[sight.model].shade_share * lost))
         };
         let mut pile = Pile::new(size, SAMPLES);
         let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&corners).collect();
@@ -206,7 +208,8 @@ fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px
             (Material { base_color_picture: None, normal_picture: None, ..material.clone() }, pictures)
         })
         .collect();
-    PictureKey::of(&[format!("{size_px} {parts:?} {sights:?} {looks:?}").as_bytes()])
+    let shades: Vec<f32> = drawn.iter().map(|model| model.shade_share).collect();
+    PictureKey::of(&[format!("{size_px} {parts:?} {sights:?} {looks:?} {shades:?}").as_bytes()])
 }
 
 /// How much light is left of what falls on a piece, where it is seen, by colour: a card is flat, and what leaves within a
@@ -215,7 +218,6 @@ fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px
 /// Leaves that lie at random are `τ / (1 − exp(−τ))` layers where there are any, at an optical thickness of τ. A look
 /// reaches down to a depth t with `exp(−t)`; light, of which leaves scatter a share ω (`color`) on, with `exp(−κt)`, κ =
 /// √(1 − ω) (Goudriaan 1977, *Crop Micrometeorology*). What is seen has `∫exp(−(1 + κ)t)dt / ∫exp(−t)dt` of the light.
-/// [`SHADE_SHARE`] of the rest is taken away.
 fn light_within(layers: f32, color: Vec3) -> Vec3 {
     /// Newton's rounds: each about doubles the digits, and a guess is near.
     const ROUNDS: u32 = 6;
@@ -234,12 +236,18 @@ fn light_within(layers: f32, color: Vec3) -> Vec3 {
         let reach = 1.0 + (1.0 - scattered.clamp(0.0, 1.0)).sqrt();
         (1.0 - libm::expf(-reach * depth)) / (reach * (1.0 - libm::expf(-depth)))
     });
-    Vec3::ONE - SHADE_SHARE * (Vec3::ONE - Vec3::from(left))
+    Vec3::from(left)
 }
 
-/// How much of what leaves within a piece take from each other is drawn: the cards of a crown shade each other, too.
-/// Fitted to six plants as Cycles shows them, an oak and an apple most; without, those are lighter than their trees.
-const SHADE_SHARE: f32 = 0.3;
+/// How much of what leaves within a piece take from each other is drawn on its card. The cards of a crown shade each
+/// other, too, and the more of them there are, the more of it they do.
+fn shade_share(pieces: usize) -> f32 {
+    /// Fitted to six plants as Cycles shows them in 20000, 5000, 1000 and 500 triangles.
+    const OF_FEW: f32 = 0.3;
+    const FEW: f32 = 250.0;
+    let crowd = (pieces as f32 / FEW).max(1.0);
+    OF_FEW / crowd.sqrt().sqrt()
+}
 
 /// The leaves and the thin wood of a piece.
 #[expect(clippy::too_many_arguments)]
@@ -281,7 +289,7 @@ fn model(
             *normal = Vec3::new(normal.dot(side), normal.dot(heading), normal.dot(up));
         }
     }
-    Ok(Model { parts })
+    Ok(Model { parts, shade_share: shade_share(level.cut.pieces.len()) })
 }
 
 /// Thin wood as prisms without ends.
@@ -429,7 +437,7 @@ mod tests {
                     seen += libm::exp(-t);
                     lit += libm::exp(-t) * libm::exp(-reach * t);
                 }
-                let expected = 1.0 - f64::from(SHADE_SHARE) * (1.0 - lit / seen);
+                let expected = lit / seen;
                 assert!((f64::from(found) - expected).abs() < 1e-3, "{depth}: {found}, not {expected}");
             }
         }
