@@ -47,16 +47,16 @@ impl Preset {
     }
 
     /// The same for a knob of a further kind of foliage.
-    fn idle_of_kind(&self, kind: usize, knob: &str) -> Option<&'static str> {
-        let kind = self.dressing.foliage.also.get(kind)?;
+    fn idle_of_kind(&self, number: usize, knob: &str) -> Option<&'static str> {
+        let kind = self.dressing.foliage.also.get(number)?;
         if kind.share > 0.0 && PLACES.contains(&knob) {
             return Some("the kind takes places of the first one: it is for share=0");
         }
         // What holds for the first kind holds for each.
-        let mut alone = self.clone();
-        alone.dressing.foliage.first = kind.clone();
-        alone.dressing.foliage.also.clear();
-        alone.idle(knob)
+        let mut swapped = self.clone();
+        let FoliageSettings { first, also, .. } = &mut swapped.dressing.foliage;
+        std::mem::swap(first, &mut also[number]);
+        swapped.idle(knob)
     }
 
     /// A line for each of some knobs that changes nothing: `stems changes nothing: it is for habit=shrub`.

@@ -168,6 +168,10 @@ fn a_knob_of_a_kind_that_changes_nothing_is_said() {
     assert_eq!(said(&preset, "also.1.leaves_per_m"), "");
     preset.set("blossom.share", "0.5").unwrap();
     assert!(said(&preset, "also.1.leaves_per_m").contains("share=0"));
+    // What counts beside other kinds has others beside it.
+    assert!(said(&preset, "blossom.lod_weight").contains("there is one level"));
+    preset.set("triangles", "5000").unwrap();
+    assert_eq!(said(&preset, "blossom.lod_weight"), "");
 }
 
 #[test]
