@@ -103,8 +103,7 @@ def look(middle, size, toward):
 
 
 def draw(picture, size, samples, is_transparent=False, is_denoised=False):
-    """What the camera sees, as a PNG of `size` pixels; without the noise of few samples for what is looked at, with it for what
-    is measured."""
+    """What the camera sees, as a PNG of `size` pixels. Denoised it is for looking at; what is measured is not."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.film_transparent = is_transparent

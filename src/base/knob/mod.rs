@@ -131,7 +131,7 @@ pub enum Kind {
     },
     /// Some of some words, in the order in which they count, each at most once; or `none`.
     Words(&'static [&'static str]),
-    /// Words of some in a row, one a level, say, the last for all further ones; or `none`.
+    /// A list of words that may repeat, one for each level of detail, say, the last for all further ones; or `none`.
     Sequence {
         /// Of these.
         words: &'static [&'static str],

@@ -54,7 +54,15 @@ impl LevelForms {
         let standings = PROTOTYPES.iter().map(|_| plain.plain).chain(of_shapes).collect();
         let wants_cards =
             (0..kinds.len()).any(|kind| is_there(kind) && kinds[kind].1 == Some(LodForm::BranchCard));
-        Self { standings, shapes: in_level(&organs.shapes, level), wants_cards, ..plain }
+        let forms = Self { standings, shapes: in_level(&organs.shapes, level), wants_cards, ..plain.clone() };
+        if forms.changes_nothing(organs) { plain } else { forms }
+    }
+
+    /// Whether all kinds are as they are, alike.
+    fn changes_nothing(&self, organs: &Organs) -> bool {
+        !self.wants_cards
+            && Arc::ptr_eq(&self.shapes, &organs.shapes)
+            && self.standings.iter().all(|standing| *standing == self.plain)
     }
 
     /// The shapes of the level.

@@ -89,6 +89,9 @@ impl<'a> Leaves<'a> {
 
     /// Triangles of leaves, and the same by the weights of their kinds.
     pub fn total(&self, which: Which) -> (u64, f64) {
+        if which == Which::BesideCards && self.forms.are_all_on_cards() {
+            return (0, 0.0);
+        }
         let meant = (0..self.triangles.len()).filter(|&organ| self.is_meant(organ, which));
         meant.fold((0, 0.0), |(sum, weighed), organ| {
             let count = self.triangles[organ];
@@ -103,8 +106,10 @@ impl<'a> Leaves<'a> {
 
     /// Triangles of a share of leaves.
     pub fn triangles(&self, share: f64, which: Which) -> u64 {
-        if share >= 1.0 && which == Which::All {
-            return self.total;
+        match which {
+            Which::All if share >= 1.0 => return self.total,
+            Which::BesideCards if self.forms.are_all_on_cards() => return 0,
+            _ => {}
         }
         let meant = (0..self.triangles.len()).filter(|&organ| self.is_meant(organ, which));
         let kept = meant.filter(|&organ| share >= 1.0 || self.rank(organ) < share);

@@ -288,11 +288,14 @@ impl Plan {
             Some(details) => {
                 let simplifier = Simplifier::new(tubes, body, monitor)?;
                 let foliage = &specimen.dressing.foliage;
+                let simplifiers = (0..details.len())
+                    .map(|number| simplifier.in_level(foliage, number, monitor))
+                    .collect::<Result<Vec<_>, _>>()?;
                 let are_seen = specimen.wanted.surface;
                 let mut pieces = Vec::new();
-                for (number, level) in details.iter().enumerate() {
+                for (simplifier, level) in simplifiers.iter().zip(details) {
                     if are_seen && level.card_m > 0.0 {
-                        pieces.push(simplifier.in_level(foliage, number, monitor)?.pieces(level, monitor)?);
+                        pieces.push(simplifier.pieces(level, monitor)?);
                     }
                 }
                 let size_px = detail.card_size_px;
@@ -301,9 +304,9 @@ impl Plan {
                     .transpose()?;
                 drop(pieces);
                 let mut carded = 0;
-                for (number, level) in details.iter().enumerate() {
+                for (number, (simplifier, level)) in simplifiers.iter().zip(details).enumerate() {
                     let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-                    let mut thin = simplifier.in_level(foliage, number, &held)?.simplified(level, &held)?;
+                    let mut thin = simplifier.simplified(level, &held)?;
                     let mut worn = wardrobe.with_shapes(in_level(wardrobe.shapes(), number));
                     if let (Some(cards), true) = (&mut cards, level.card_m > 0.0) {
                         (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);

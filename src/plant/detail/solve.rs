@@ -165,10 +165,10 @@ impl Simplifier<'_> {
     /// The share of the leaves beside cards: they get of what all leaves may have what they are of these by weight.
     fn share_beside_cards(&self, for_leaves: u64) -> f64 {
         let (beside, weight) = self.leaves.total(Which::BesideCards);
-        let (_, others) = self.leaves.total(Which::OnCards);
         if beside == 0 {
             return 1.0;
         }
+        let (_, others) = self.leaves.total(Which::OnCards);
         let part = weight / (weight + others).max(f64::MIN_POSITIVE);
         self.leaves.share_within((for_leaves as f64 * part) as u64, Which::BesideCards)
     }

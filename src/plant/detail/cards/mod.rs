@@ -114,19 +114,23 @@ impl Cards {
         size_px: u32,
         monitor: &dyn Monitor,
     ) -> Result<Self, DetailError> {
-        let mut most = MOST_CARDS;
+        // Cards beside leaves are numbered behind these.
+        let is_beside = levels.iter().any(|level| !level.forms.are_all_on_cards());
+        let before = PROTOTYPES.len() + if is_beside { body.organs.shapes.len() } else { 0 };
+        let room = usize::from(u8::MAX).saturating_sub(before) / levels.len().max(1);
+        let mut most = MOST_CARDS.min(room);
         let mut decks = Vec::with_capacity(levels.len());
         for level in levels {
             decks.push(Deck::new(level, body.skeleton, body.organs, most, monitor)?);
-            most = (most * 2 / 3).max(FEWEST_CARDS);
+            most = (most * 2 / 3).max(FEWEST_CARDS.min(room));
         }
         let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
             deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
         });
         let drawn = draw::draw(models, specimen, body, wardrobe, size_px, monitor)?;
-        let (color, kind) = (drawn.color(), 0);
+        let color = drawn.color();
         let shape = |mesh: Mesh| LeafShape {
-            kind,
+            kind: 0,
             sketch: mesh.clone(),
             mesh,
             color,
