@@ -12,7 +12,8 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use linden::memory::bytes_grown;
-use linden::monitor::Phase;
+use linden::monitor::{Holding, Phase};
+use linden::recipe::Input;
 use linden::{Cancelled, Monitor};
 
 use crate::system;
@@ -114,6 +115,27 @@ impl Content {
             }
             monitor.advance(Phase::Read, bytes.len() as u64, Some(announced.max(bytes.len() as u64)));
         }
+    }
+
+    /// Whether it is a file that points are read from without holding it.
+    pub fn is_streamed(&mut self, name: &str) -> io::Result<bool> {
+        let Self::File(file) = self else { return Ok(false) };
+        let mut opening = Vec::new();
+        file.by_ref().take(Input::OPENING).read_to_end(&mut opening)?;
+        file.rewind()?;
+        Ok(Input::is_streamed(name, &opening))
+    }
+
+    /// Geometry or a picture; points are thinned to cubes with sides `cube`, if it is given. No more of the file is held
+    /// than that takes.
+    pub fn input(mut self, name: &str, cube: Option<f64>, monitor: &dyn Monitor) -> anyhow::Result<Input> {
+        if self.is_streamed(name)?
+            && let Self::File(file) = self
+        {
+            return Ok(Input::stream(name, file, cube, monitor)?);
+        }
+        let bytes = self.bytes(monitor)?;
+        Ok(Input::read_thinned(name, &bytes, cube, &Holding::new(monitor, bytes.len() as u64))?)
     }
 
     /// The recipe that it carries, if it is a file of ours. Reads as much of it as that takes.

@@ -12,7 +12,6 @@ use linden::grow::Grown;
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
-use linden::monitor::Holding;
 use linden::preset::{Fault, Preset, RecipeError, builtin, builtin_file, builtins};
 use linden::provenance::Provenance;
 use linden::recipe::{Input, Inputs, Recipe};
@@ -51,6 +50,7 @@ impl Source {
 pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
     let mut reader = Reader::new(monitor);
     let (files, knobs): (Vec<_>, Vec<_>) = set.iter().partition(|(name, _)| is_file_key(name));
+    reader.knobs = knobs.iter().map(|&knob| knob.clone()).collect();
     for (key, file) in files {
         reader.give(key, file)?;
     }
@@ -160,6 +160,8 @@ struct Reader<'a> {
     monitor: &'a dyn Monitor,
     /// Files that the user puts in the place of those that the preset names: key, name, content.
     given: Vec<(String, String, Input)>,
+    /// Knobs that the user turns, of which some say how files are read.
+    knobs: Vec<(String, String)>,
     provenance: Option<Provenance>,
     notes: Vec<String>,
     /// Whether it read a grammar that comes without a preset.
@@ -181,6 +183,7 @@ impl<'a> Reader<'a> {
         Self {
             monitor,
             given: Vec::new(),
+            knobs: Vec::new(),
             provenance: None,
             notes: Vec::new(),
             is_bare_grammar: false,
@@ -198,16 +201,21 @@ impl<'a> Reader<'a> {
         let path = PathBuf::from(file);
         let reading = || format!("reading {} for '{key}'", show(&path));
         let content = reading::open(&path, self.monitor).with_context(reading)?;
-        let bytes = content.bytes(self.monitor).with_context(reading)?;
-        let input = self.input(file, &bytes).with_context(reading)?;
+        let cube = self.thinning(&Preset::of_points("points", file));
+        let input = content.input(file, cube, self.monitor).with_context(reading)?;
         self.given.push((key.to_owned(), file.to_owned(), input));
         self.files.push(path);
         Ok(())
     }
 
-    /// Makes geometry or a picture of a file's bytes, which are held meanwhile.
-    fn input(&self, name: &str, bytes: &[u8]) -> anyhow::Result<Input> {
-        Ok(Input::read(name, bytes, &Holding::new(self.monitor, bytes.len() as u64))?)
+    /// The sides of the cubes that a preset's points are thinned to, with the knobs that the user turns. What is wrong with
+    /// these is said when they are turned.
+    fn thinning(&self, preset: &Preset) -> Option<f64> {
+        let mut preset = preset.clone();
+        for (name, value) in self.knobs.iter().filter(|(name, _)| name == "thin") {
+            let _ = preset.set(name, value);
+        }
+        preset.generator.thinning()
     }
 
     fn load(&mut self, source: &Path) -> anyhow::Result<Recipe> {
@@ -227,17 +235,36 @@ impl<'a> Reader<'a> {
         self.files.extend(path.map(Path::to_owned));
         let shown = path.map_or_else(|| shown(source), show);
         let reading = || format!("reading {shown}");
+        let name = file_name(path);
+        if content.is_streamed(&name).with_context(reading)? {
+            return self.grown_into(Preset::of_points(&id_from(&name), &name), &name, content, &shown);
+        }
         match content.recipe(self.monitor).with_context(reading)? {
             Some(json) => self.recipe(path, &shown, &json),
-            None => self.read(path, &shown, &content.bytes(self.monitor).with_context(reading)?),
+            None => self.read(path, &shown, content.bytes(self.monitor).with_context(reading)?),
         }
     }
 
+    /// A preset with the one file that it is made for.
+    fn grown_into(
+        &self,
+        preset: Preset,
+        name: &str,
+        content: Content,
+        shown: &str,
+    ) -> anyhow::Result<Recipe> {
+        let cube = self.thinning(&preset);
+        let input = content.input(name, cube, self.monitor).with_context(|| format!("reading {shown}"))?;
+        let mut recipe = Recipe::new(preset);
+        recipe.inputs.insert(name.to_owned(), input);
+        self.replaced(recipe)
+    }
+
     /// Makes a recipe of a file's content.
-    fn read(&mut self, path: Option<&Path>, shown: &str, bytes: &[u8]) -> anyhow::Result<Recipe> {
+    fn read(&mut self, path: Option<&Path>, shown: &str, content: Vec<u8>) -> anyhow::Result<Recipe> {
         let reading = || format!("reading {shown}");
-        let name =
-            path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let name = file_name(path);
+        let bytes = &content[..];
         let kind = sniff(bytes, &name).with_context(reading)?;
         let id = id_from(&name);
         let preset = match kind {
@@ -271,10 +298,7 @@ impl<'a> Reader<'a> {
             | InputKind::PtxPoints
             | InputKind::HeightGrid => Preset::of_points(&id, &name),
         };
-        let mut recipe = Recipe::new(preset);
-        let input = self.input(&name, bytes).with_context(reading)?;
-        recipe.inputs.insert(name, input);
-        self.replaced(recipe)
+        self.grown_into(preset, &name, Content::Bytes(content), shown)
     }
 
     /// Reads a tree's recipe, and says which of its files are others by now.
@@ -310,7 +334,7 @@ impl<'a> Reader<'a> {
         let files: Vec<String> = recipe.preset.files().into_iter().map(str::to_owned).collect();
         for file in files {
             if recipe.input(&file).is_none() {
-                let input = self.named(&file, document)?;
+                let input = self.named(&file, self.thinning(&recipe.preset), document)?;
                 recipe.inputs.insert(file, input);
             }
         }
@@ -318,33 +342,45 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a file that a document names.
-    fn named(&mut self, file: &str, document: &NamedDocument<'_>) -> anyhow::Result<Input> {
+    fn named(
+        &mut self,
+        file: &str,
+        cube: Option<f64>,
+        document: &NamedDocument<'_>,
+    ) -> anyhow::Result<Input> {
         let NamedDocument { path, shown, text } = *document;
         let place = || mention(shown, text, file);
         let allowed = trust::beside(path, file).with_context(place)?;
         // As the user knows it, links not followed.
         let beside = path.and_then(Path::parent).unwrap_or(Path::new("")).join(file);
-        let content = match (reading::regular(&allowed, self.monitor), builtin_file(file)) {
-            (Ok(content), _) => {
+        let content = match (reading::open_regular(&allowed), builtin_file(file)) {
+            (Ok(file), _) => {
                 self.files.push(beside.clone());
-                content
+                Content::File(file)
             }
             (Err(error), built_in) => {
-                let is_missing =
-                    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::NotFound);
+                let is_missing = error.kind() == ErrorKind::NotFound;
                 match built_in.filter(|_| is_missing) {
-                    Some(content) => content.to_vec(),
+                    Some(content) => Content::Bytes(content.to_vec()),
                     None if is_missing => {
                         let said = format!("{error}; put it there, or name one that is there");
                         bail!("{}: reading {}: {said}", place(), show(&beside));
                     }
-                    None => return Err(error.context(format!("{}: reading {}", place(), show(&beside)))),
+                    None => {
+                        let reading = format!("{}: reading {}", place(), show(&beside));
+                        return Err(anyhow::Error::from(error).context(reading));
+                    }
                 }
             }
         };
         let reading = || format!("{}: reading {}", place(), show(&beside));
-        self.input(file, &content).with_context(reading)
+        content.input(file, cube, self.monitor).with_context(reading)
     }
+}
+
+/// A path's last part; empty for standard input.
+fn file_name(path: Option<&Path>) -> String {
+    path.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// Where a document names a file, and under which key: `my.toml:3:1: 'leaf_mesh'`.

@@ -209,6 +209,12 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         Vec::new()
     }
 
+    /// The sides of the cubes that the points of their file may be thinned to while they are read, in the file's units; with
+    /// other points than these settings would keep they do not grow.
+    fn thinning(&self) -> Option<f64> {
+        None
+    }
+
     /// Gives files other names: `renamed` has the new one of an old one, if it changes.
     fn rename_inputs(&mut self, _renamed: &dyn Fn(&str) -> Option<String>) {}
 

@@ -338,3 +338,41 @@ fn what_shows_no_stems_is_not_divided_by_them() {
     let said = folder.run(&["stats", "ground.xyz", "--set=tree=1"]);
     assert!(said.err.contains("segmentation=paths finds the trees by their stems"), "{}", said.err);
 }
+
+#[test]
+fn points_are_thinned_while_they_are_read() {
+    let folder = Folder::new();
+    let text = plot(&folder);
+    folder.write("plot.csv", text.as_bytes());
+    // Each point two hundred times, which is more than the memory holds.
+    let (header, rows) = text.split_once('\n').unwrap();
+    folder.write("large.csv", format!("{header}\n{}", rows.repeat(200)).as_bytes());
+    let stats =
+        |file: &str, more: &[&str]| folder.run(&[&["stats", file, "--json", "--set=tree=21"], more].concat());
+    let said = stats("large.csv", &["--memory=24M"]);
+    assert!(said.code == Some(1) && said.err.contains("reading points or a mesh would take"), "{}", said.err);
+    let of_large = stats("large.csv", &["--memory=24M", "--set=thin=0.01"]);
+    let of_plot = stats("plot.csv", &["--set=thin=0.01"]);
+    let note = of_large.err.lines().find(|line| line.contains("thin=0.01: ")).expect(&of_large.err);
+    let counts: Vec<u64> = note.split(' ').filter_map(|word| word.parse().ok()).collect();
+    let [kept, all] = counts[..] else { panic!("{note}") };
+    assert_eq!(all, 200 * rows.lines().count() as u64);
+    assert!(
+        of_plot.err.contains(&format!("thin=0.01: {kept} of {} points were kept", all / 200)),
+        "{}",
+        of_plot.err
+    );
+    assert_eq!(of_large.json()["skeleton_hash"], of_plot.json()["skeleton_hash"]);
+    assert_ne!(of_plot.json()["skeleton_hash"], stats("plot.csv", &[]).json()["skeleton_hash"]);
+    // It is part of the recipe, and of each tree's.
+    succeed(&folder, &["export", "plot.csv", "-o", "trees/", "--set=thin=0.01", "--mkdir"]);
+    succeed(&folder, &["export", "plot.csv", "-o", "one.glb", "--set=thin=0.01", "--set=tree=21"]);
+    succeed(&folder, &["export", "one.glb", "-o", "again.glb"]);
+    assert!(folder.read("one.glb") == folder.read("again.glb"));
+    assert!(folder.read("one.glb") == folder.read("trees/21.glb"));
+    let preset = "id = \"mine\"\nname = \"Mine\"\ngroup = \"mine\"\nsummary = \"a scan\"\nsource = \"a scanner\"\n\
+                  [scan]\nfile = \"plot.csv\"\nthin = 0.01\ntree = 21\n";
+    folder.write("mine.toml", preset.as_bytes());
+    let of_preset = folder.run(&["stats", "mine.toml", "--json"]);
+    assert_eq!(of_preset.json()["skeleton_hash"], of_plot.json()["skeleton_hash"]);
+}

@@ -9,7 +9,8 @@ use linden::grow::outline;
 use linden::grow::{GrowError, grow};
 use linden::input::read_picture;
 use linden::input::{
-    Cloud, TreeColumn, read_e57, read_grid, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff,
+    Cloud, TreeColumn, read_e57, read_geotiff, read_grid, read_las, read_obj, read_pcd, read_ply, read_ptx,
+    read_xyz, sniff,
 };
 use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
@@ -267,10 +268,11 @@ fn sound_trees(trees: &[TreeColumn], count: usize) {
 fn cloud(bytes: &[u8]) -> String {
     let cloud = match bytes.first() {
         Some(b'L') => read_las(bytes, &reading()),
-        Some(b'A') => read_e57(bytes, &reading()).map(Cloud::from),
+        Some(b'A') => read_e57(bytes, &reading()),
         Some(b'#') => read_pcd(bytes, &reading()),
         Some(b'n') => read_grid(bytes, &reading()),
-        _ => read_ptx(bytes, &reading()).map(Cloud::from),
+        Some(b'I' | b'M') => read_geotiff(bytes, &reading()),
+        _ => read_ptx(bytes, &reading()),
     };
     match cloud {
         Ok(cloud) => sound_cloud(&cloud),

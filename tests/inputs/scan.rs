@@ -393,3 +393,24 @@ fn no_scan_of_a_tree_is_taken_for_a_canopy() {
         assert!(grown.notes.iter().all(|note| !note.contains("scanned points lie")), "{:?}", grown.notes);
     }
 }
+
+#[test]
+fn thinned_points_are_kept_as_the_recipe_says_or_refused() {
+    let text: String = scan().iter().map(|p| format!("{} {} {}\n", p.x, -p.z, p.y)).collect();
+    let recipe = |read: Option<f64>, thin: &str| {
+        let mut preset = Preset::of_points("stem", "stem.xyz");
+        preset.set("thin", thin).unwrap();
+        let input = Input::read_thinned("stem.xyz", text.as_bytes(), read, &Quiet).unwrap();
+        Recipe::with_files(preset, [("stem.xyz", input)].into_iter().collect())
+    };
+    let hash = |recipe: &Recipe| grow(recipe, &Quiet).unwrap().skeleton.positions.clone();
+    let later = recipe(None, "0.05");
+    assert_eq!(hash(&later), hash(&recipe(Some(0.05), "0.05")));
+    assert_eq!(hash(&later), hash(&later), "out of what was kept");
+    assert_ne!(hash(&later), hash(&recipe(None, "0")));
+    for wanted in ["0", "0.02"] {
+        let refused = grow(&recipe(Some(0.05), wanted), &Quiet).unwrap_err().to_string();
+        let said = format!("thin={wanted}: the points of stem.xyz were read with thin=0.05");
+        assert!(refused.contains(&said) && refused.contains("open the file again"), "{refused}");
+    }
+}

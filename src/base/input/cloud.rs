@@ -4,9 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 
-use super::{READING, READING_ADVICE};
-use crate::memory::{OverMemory, bytes_grown, bytes_of};
-use crate::monitor::Monitor;
+use crate::memory::bytes_of;
 
 /// Points as a file has them.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -19,8 +17,54 @@ pub struct Cloud {
     pub leaves: Option<LeafColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
+    /// Of what these are a part, where they were thinned.
+    pub thinned: Option<Thinned>,
+    /// What they became by thinning last, so that it is done once.
+    pub thinning_cache: ThinningCache,
     /// The column that was worked out from the positions last, so that it is worked out once.
     pub segmentation_cache: SegmentationCache,
+}
+
+/// How points were thinned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thinned {
+    /// The sides of the cubes of which one point each was kept, in the file's units.
+    pub cube: f64,
+    /// How many points there were.
+    pub of: u64,
+}
+
+/// A thinned cloud, kept for whoever asks for the same again. It is no part of what a cloud is: clouds with and without are
+/// equal.
+#[derive(Clone, Debug, Default)]
+pub struct ThinningCache(Arc<Mutex<Option<Arc<Cloud>>>>);
+
+impl PartialEq for ThinningCache {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+impl ThinningCache {
+    /// The cloud of these cubes, which `thin` gives if nobody asked for it before.
+    ///
+    /// # Errors
+    /// Those of `thin`.
+    pub fn get<E>(&self, cube: f64, thin: impl FnOnce() -> Result<Cloud, E>) -> Result<Arc<Cloud>, E> {
+        let is_it = |cloud: &&Arc<Cloud>| cloud.thinned.is_some_and(|thinned| thinned.cube == cube);
+        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(cloud) = kept().as_ref().filter(is_it) {
+            return Ok(cloud.clone());
+        }
+        let cloud = Arc::new(thin()?);
+        *kept() = Some(cloud.clone());
+        Ok(cloud)
+    }
+
+    fn bytes(&self) -> u64 {
+        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.as_ref().map_or(0, |cloud| cloud.bytes())
+    }
 }
 
 /// A column that follows from positions and some rule, kept for whoever asks by the same rule again. It is no part of what
@@ -98,12 +142,21 @@ impl Cloud {
             + bytes_of::<DVec3>(self.positions.capacity())
             + columns.sum::<u64>()
             + self.segmentation_cache.bytes()
+            + self.thinning_cache.bytes()
     }
 }
 
 impl From<Vec<DVec3>> for Cloud {
     fn from(positions: Vec<DVec3>) -> Self {
         Self { positions, ..Self::default() }
+    }
+}
+
+impl LeafColumn {
+    /// What the file has for a position.
+    pub(super) fn number(&self, position: usize) -> u32 {
+        let leaf = leaf_number(&self.name).unwrap_or_default();
+        if self.is_leaf[position] { leaf } else { leaf.saturating_sub(1) }
     }
 }
 
@@ -172,12 +225,15 @@ struct Reading {
     column: TreeColumn,
     /// All values so far are whole numbers.
     is_whole: bool,
+    /// The largest so far.
+    most: u32,
 }
 
 impl Columns {
     /// Those of these names.
     pub fn new(names: impl IntoIterator<Item = String>) -> Self {
-        let reading = |name| Reading { column: TreeColumn { name, numbers: Vec::new() }, is_whole: true };
+        let reading =
+            |name| Reading { column: TreeColumn { name, numbers: Vec::new() }, is_whole: true, most: 0 };
         Self(names.into_iter().map(reading).collect())
     }
 
@@ -188,37 +244,43 @@ impl Columns {
         }
     }
 
-    /// Asks for memory whenever the lists are about to move to larger places, beside `held` bytes.
-    pub fn make_room(&self, held: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        let Some(first) = self.0.first().map(|reading| &reading.column.numbers) else { return Ok(()) };
-        if first.len() < first.capacity() {
-            return Ok(());
-        }
-        let bytes = bytes_grown::<u32>(first.len() + 1).saturating_mul(self.0.len() as u64);
-        monitor.admit(READING, bytes.saturating_add(held), READING_ADVICE)
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.0.len()
     }
 
-    /// Adds the value of a point to a column. What is below 1 or no number is of no tree; a fraction makes the whole column
-    /// one of something else.
-    pub fn push(&mut self, column: usize, value: f64) {
-        let Some(Reading { column, is_whole }) = self.0.get_mut(column) else { return };
+    /// Bytes that they take.
+    pub fn bytes(&self) -> u64 {
+        self.0.iter().map(|reading| bytes_of::<u32>(reading.column.numbers.capacity())).sum()
+    }
+
+    /// Takes the value of a point to a column, and adds it if the point is kept. What is below 1 or no number is of no tree; a
+    /// fraction makes the whole column one of something else.
+    pub fn take(&mut self, column: usize, value: f64, is_kept: bool) {
+        let Some(Reading { column, is_whole, most }) = self.0.get_mut(column) else { return };
         *is_whole &= value.is_nan() || value.fract() == 0.0 && value <= f64::from(u32::MAX);
-        column.numbers.push(if value >= 1.0 { value as u32 } else { 0 });
+        let number = if value >= 1.0 { value as u32 } else { 0 };
+        *most = number.max(*most);
+        if is_kept {
+            column.numbers.push(number);
+        }
     }
 
     /// Those that tell trees apart, the likeliest first, and the first that tells wood from leaves: it has both, and no
     /// number beyond them.
     pub fn finish(self) -> (Vec<TreeColumn>, Option<LeafColumn>) {
         let is_one = |reading: &Reading| reading.is_whole && reading.column.numbers.iter().any(|&n| n > 0);
-        let found = self.0.into_iter().filter(is_one).map(|reading| reading.column);
-        let (leaves, mut trees): (Vec<TreeColumn>, Vec<TreeColumn>) =
-            found.partition(|column| leaf_number(&column.name).is_some());
+        let found = self.0.into_iter().filter(is_one);
+        let (leaves, trees): (Vec<Reading>, Vec<Reading>) =
+            found.partition(|reading| leaf_number(&reading.column.name).is_some());
+        let mut trees: Vec<TreeColumn> = trees.into_iter().map(|reading| reading.column).collect();
         trees.sort_by_key(|column| rank(&column.name));
-        let leaves = leaves.into_iter().find_map(|TreeColumn { name, numbers }| {
+        let leaves = leaves.into_iter().find_map(|Reading { column, most, .. }| {
+            let TreeColumn { name, numbers } = column;
             let leaf = leaf_number(&name)?;
-            let is_known = numbers.iter().all(|&number| number <= leaf) && numbers.contains(&(leaf - 1));
+            let has_both = numbers.contains(&(leaf - 1)) && numbers.contains(&leaf);
             let is_leaf = || numbers.iter().map(|&number| number == leaf).collect();
-            (is_known && numbers.contains(&leaf)).then(|| LeafColumn { is_leaf: is_leaf(), name })
+            (most == leaf && has_both).then(|| LeafColumn { is_leaf: is_leaf(), name })
         });
         (trees, leaves)
     }
@@ -256,7 +318,7 @@ mod tests {
         let read = |name: &str, values: &[f64]| {
             let mut columns = Columns::new([name.to_owned()]);
             for &value in values {
-                columns.push(0, value);
+                columns.take(0, value, true);
             }
             let (trees, leaves) = columns.finish();
             assert!(trees.is_empty(), "{name}");
@@ -280,7 +342,7 @@ mod tests {
             [(0, [1.0, 2.0, 2.0]), (1, [1.0, 0.5, 2.0]), (2, [f64::NAN, -1.0, 7.0]), (3, [0.0, 0.0, -1.0])]
         {
             for value in values {
-                columns.push(column, value);
+                columns.take(column, value, true);
             }
         }
         let (trees, leaves) = columns.finish();

@@ -3,13 +3,14 @@
 //! All point clouds of the file are taken, each where its pose puts it; spherical coordinates become Cartesian ones. Points
 //! without a valid place, where no echo came back, are left out. Metres, by the standard.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use e57::{CartesianCoordinate, E57Reader};
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, in_range, make_room};
+use super::gather::Gathering;
+use super::{Cloud, InputError, ROWS_PER_CHECK, in_range};
 use crate::monitor::{Monitor, Phase};
 
 /// Reads the points of an E57 file; Z is up.
@@ -17,26 +18,34 @@ use crate::monitor::{Monitor, Phase};
 /// # Errors
 /// [`InputError`]: a file that is none or is cut off, damaged data with the number of cloud and point, no points; no
 /// memory; cancelled.
-pub fn read_e57(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
+pub fn read_e57(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
+    stream_e57(Cursor::new(bytes), bytes.len() as u64, None, monitor)
+}
+
+/// The same of a stream of so many bytes; of each cube with sides `cube` one point is kept.
+pub(super) fn stream_e57(
+    stream: impl Read + Seek,
+    length: u64,
+    cube: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<Cloud, InputError> {
     // The crate is careful, but says of nothing that it cannot panic.
-    let read = || read_all(bytes, monitor);
+    let read = || read_all(stream, length, Gathering::new([], cube, monitor));
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(whole("its data are damaged; export it anew")))
 }
 
-fn read_all(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
-    let mut reader =
-        E57Reader::new(Cursor::new(bytes)).map_err(|error| whole(&format!("{error}; it may be cut off")))?;
+fn read_all(stream: impl Read + Seek, length: u64, mut points: Gathering<'_>) -> Result<Cloud, InputError> {
+    let monitor = points.monitor();
+    let mut reader = E57Reader::new(stream).map_err(|error| whole(&format!("{error}; it may be cut off")))?;
     let clouds = reader.pointclouds();
     let announced = clouds.iter().fold(0_u64, |sum, cloud| sum.saturating_add(cloud.records));
     // A point takes a bit at least; what a header announces without any data would never end.
-    if announced > 8 * bytes.len() as u64 {
+    if announced > length.saturating_mul(8) {
         return Err(whole(&format!(
-            "it announces {announced} points, more than its {} bytes can hold",
-            bytes.len()
+            "it announces {announced} points, more than its {length} bytes can hold"
         )));
     }
-    let mut points = Vec::new();
     let mut done = 0;
     for (number, cloud) in (1..).zip(&clouds) {
         let damaged = |at: u64, problem: &dyn std::fmt::Display| {
@@ -54,17 +63,16 @@ fn read_all(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputErro
             for coordinate in [x, y, z] {
                 in_range(coordinate).map_err(|expected| damaged(at, &format!("expected {expected}")))?;
             }
-            make_room(&points, points.capacity(), 0, monitor)?;
-            points.push(DVec3::new(x, y, z));
+            points.push(DVec3::new(x, y, z), |_| f64::NAN)?;
         }
     }
-    if points.is_empty() {
+    if points.came() == 0 {
         return Err(whole(&format!(
             "none of the {announced} points in its {} clouds has a place",
             clouds.len()
         )));
     }
-    Ok(points)
+    Ok(points.finish())
 }
 
 fn whole(problem: &str) -> InputError {
@@ -119,7 +127,7 @@ mod tests {
 
     #[test]
     fn all_stands_are_put_where_their_poses_say() {
-        let points = read_e57(&file(), &Quiet).unwrap();
+        let points = read_e57(&file(), &Quiet).unwrap().positions;
         assert_eq!(points.len(), 40);
         assert_eq!(points[0], DVec3::new(1.0, 1.0, 2.0));
         // (x, y) becomes (-y, x), then it is moved.

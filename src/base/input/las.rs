@@ -6,14 +6,15 @@
 //! The crate believes a header's number of chunks, and indexes by what it decompresses; the number is held against the file
 //! before, and what panics on damaged data becomes an error.
 
-use std::io::Cursor;
+use std::io::{Cursor, Read, Seek, SeekFrom};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use glam::DVec3;
 use las::{PointDataBuilder, Reader};
 
-use super::cloud::{Columns, is_read};
-use super::{Cloud, InputError, READING, READING_ADVICE, in_range, make_room};
+use super::cloud::is_read;
+use super::gather::Gathering;
+use super::{Cloud, InputError, READING, READING_ADVICE, in_range};
 use crate::memory::bytes_of;
 use crate::monitor::{Monitor, Phase};
 
@@ -32,23 +33,49 @@ const NOISE: [u8; 2] = [7, 18];
 /// [`InputError`]: a header that is none or announces more than the file holds, damaged data with the number of the
 /// record, no points; no memory; cancelled.
 pub fn read_las(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
-    check_header(bytes)?;
+    thin_las(bytes, None, monitor)
+}
+
+/// The same; of each cube with sides `cube` one point is kept.
+pub(super) fn thin_las(bytes: &[u8], cube: Option<f64>, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     // The crate's reader owns what it reads.
-    monitor.admit(READING, bytes_of::<u8>(bytes.len()), READING_ADVICE)?;
-    let read = || read_all(Cursor::new(bytes.to_vec()), bytes.len(), monitor);
+    let held = bytes_of::<u8>(bytes.len());
+    monitor.admit(READING, held, READING_ADVICE)?;
+    read_held(Cursor::new(bytes.to_vec()), held, cube, monitor)
+}
+
+/// The same of a stream, which is never held whole.
+pub(super) fn stream_las(
+    stream: impl Read + Seek + Send + Sync + 'static,
+    cube: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<Cloud, InputError> {
+    read_held(stream, 0, cube, monitor)
+}
+
+fn read_held(
+    mut stream: impl Read + Seek + Send + Sync + 'static,
+    held: u64,
+    cube: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<Cloud, InputError> {
+    check_header(&mut stream)?;
+    let read = || read_all(stream, Gathering::new([], cube, monitor).holding(held));
     catch_unwind(AssertUnwindSafe(read))
         .unwrap_or_else(|_| Err(whole("its data are damaged; export it anew")))
 }
 
-fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
-    let held = bytes_of::<u8>(file_bytes);
-    let mut reader = Reader::new(file).map_err(|error| whole(&format!("its header: {error}")))?;
+fn read_all(
+    stream: impl Read + Seek + Send + Sync + 'static,
+    mut points: Gathering<'_>,
+) -> Result<Cloud, InputError> {
+    let monitor = points.monitor();
+    let mut reader = Reader::new(stream).map_err(|error| whole(&format!("its header: {error}")))?;
     let total = reader.header().number_of_points();
     // Of each record the byte of flags and the class: see the format's tables of point records.
     let is_extended = reader.header().point_format().is_extended;
     let extra = ExtraBytes::of(reader.header());
-    let mut columns = Columns::new(extra.iter().map(|extra| extra.name.clone()));
-    let mut points = Vec::new();
+    points.set_columns(extra.iter().map(|extra| extra.name.clone()));
     let mut piece = PointDataBuilder::new().for_header(reader.header()).build();
     let mut done = 0;
     while done < total {
@@ -75,24 +102,17 @@ fn read_all(file: Cursor<Vec<u8>>, file_bytes: usize, monitor: &dyn Monitor) -> 
             for coordinate in [x, y, z] {
                 in_range(coordinate).map_err(|expected| damaged(&format!("expected {expected}")))?;
             }
-            let so_far = held.saturating_add(bytes_of::<DVec3>(points.capacity()));
-            columns.make_room(so_far, monitor)?;
-            make_room(&points, points.capacity(), held, monitor)?;
-            points.push(DVec3::new(x, y, z));
-            for (column, extra) in extra.iter().enumerate() {
-                columns.push(column, extra.value(record));
-            }
+            points.push(DVec3::new(x, y, z), |column| extra[column].value(record))?;
         }
         done += found;
         monitor.advance(Phase::Read, done, Some(total));
     }
-    if points.is_empty() {
+    if points.came() == 0 {
         return Err(whole(&format!(
             "none of its {total} records is a point that is not withheld and no noise"
         )));
     }
-    let (trees, leaves) = columns.finish();
-    Ok(Cloud { positions: points, trees, leaves, ..Cloud::default() })
+    Ok(points.finish())
 }
 
 /// One of the further values of each record, which the format calls extra bytes and describes in a record of its own
@@ -189,47 +209,58 @@ fn decoded(kind: u8, bytes: &[u8]) -> f64 {
     value.unwrap_or(f64::NAN)
 }
 
-/// What the crate would believe: where the points begin, and how many chunks there are.
-fn check_header(bytes: &[u8]) -> Result<(), InputError> {
+/// What the crate would believe: where the points begin, and how many chunks there are. Leaves the stream at its beginning.
+fn check_header(stream: &mut (impl Read + Seek)) -> Result<(), InputError> {
     const SHORTEST: usize = 227;
-    if bytes.len() < SHORTEST {
+    /// Where headers of the newest version have the number of points.
+    const NEWEST: usize = 255;
+    let failed = |error: std::io::Error| whole(&error.to_string());
+    let length = stream.seek(SeekFrom::End(0)).map_err(failed)?;
+    stream.rewind().map_err(failed)?;
+    let mut header = Vec::new();
+    stream.by_ref().take(NEWEST as u64).read_to_end(&mut header).map_err(failed)?;
+    if header.len() < SHORTEST {
         return Err(whole("it ends within its header; it is cut off"));
     }
-    let start = number(bytes, 96, 4).unwrap_or(u64::MAX);
-    if start > bytes.len() as u64 {
+    let start = little_endian(&header[96..100]);
+    if start > length {
         return Err(whole("its points begin behind its end; it is cut off"));
     }
     if start < SHORTEST as u64 {
         return Err(whole("its points begin within its header; it is damaged"));
     }
-    let is_compressed = bytes[104] & 0xc0 != 0;
+    let is_compressed = header[104] & 0xc0 != 0;
     if !is_compressed {
         // A record of each point, whatever the crate would make room for.
-        let record = number(bytes, 105, 2).unwrap_or(0);
-        let is_newest = bytes[25] >= 4;
-        let long = if is_newest { number(bytes, 247, 8).unwrap_or(0) } else { 0 };
-        let points = long.max(number(bytes, 107, 4).unwrap_or(0));
-        if record.saturating_mul(points) > bytes.len() as u64 - start {
+        let record = little_endian(&header[105..107]);
+        let is_newest = header[25] >= 4;
+        let long = if is_newest { header.get(247..NEWEST).map_or(0, little_endian) } else { 0 };
+        let points = long.max(little_endian(&header[107..111]));
+        if record.saturating_mul(points) > length - start {
             return Err(whole(&format!("it announces {points} points and has fewer; it is cut off")));
         }
-        return Ok(());
-    }
-    let end = bytes.len() as u64 - 8;
-    let table = number(bytes, start, 8)
-        .map(|at| if at == u64::MAX { number(bytes, end, 8).unwrap_or(at) } else { at });
-    let chunks = table.and_then(|at| number(bytes, at.checked_add(4)?, 4));
-    match chunks {
+    } else {
+        let mut number = |at: u64, bytes: usize| {
+            let mut number = [0; 8];
+            let is_there = at.checked_add(bytes as u64).is_some_and(|end| end <= length);
+            let read = stream.seek(SeekFrom::Start(at)).and_then(|_| stream.read_exact(&mut number[..bytes]));
+            (is_there && read.is_ok()).then(|| little_endian(&number[..bytes]))
+        };
+        let table = match number(start, 8) {
+            Some(u64::MAX) => number(length - 8, 8),
+            table => table,
+        };
+        let chunks = table.and_then(|at| number(at.checked_add(4)?, 4));
         // A chunk has a byte at least.
-        Some(chunks) if chunks <= bytes.len() as u64 => Ok(()),
-        _ => Err(whole("its table of chunks is missing or damaged; it may be cut off")),
+        if chunks.is_none_or(|chunks| chunks > length) {
+            return Err(whole("its table of chunks is missing or damaged; it may be cut off"));
+        }
     }
+    stream.rewind().map_err(failed)
 }
 
-/// A little-endian number of some bytes.
-fn number(bytes: &[u8], at: u64, count: usize) -> Option<u64> {
-    let at = usize::try_from(at).ok()?;
-    let part = bytes.get(at..at.checked_add(count)?)?;
-    Some(part.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
+fn little_endian(bytes: &[u8]) -> u64 {
+    bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte))
 }
 
 fn whole(problem: &str) -> InputError {
@@ -375,6 +406,11 @@ mod tests {
         let packed = writer.into_inner().unwrap().into_inner();
         assert!(packed.len() < plain.len() / 2);
         assert_eq!(read_las(&packed, &Quiet).unwrap(), read_las(&plain, &Quiet).unwrap());
+        for (bytes, cube) in [(&packed, None), (&packed, Some(0.05)), (&plain, Some(0.05))] {
+            let streamed = stream_las(Cursor::new(bytes.clone()), cube, &Quiet).unwrap();
+            assert_eq!(streamed, thin_las(bytes, cube, &Quiet).unwrap());
+            assert_eq!(streamed.positions.len() < 2500, cube.is_some(), "{}", streamed.positions.len());
+        }
         for i in 0..2000_usize {
             let mut bytes = packed.clone();
             let at = i * 7919 % bytes.len();

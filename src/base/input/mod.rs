@@ -1,7 +1,7 @@
 //! What users bring: crown meshes, scanned points and pictures, as bytes.
 //!
 //! [`sniff`] tells by the content what a file is; [`read_obj`] and [`read_ply`] read meshes, [`read_ply`], [`read_xyz`],
-//! [`read_las`], [`read_e57`], [`read_pcd`], [`read_ptx`] and [`read_grid`] points, [`read_cylinders`] tables of cylinders, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
+//! [`read_las`], [`read_e57`], [`read_pcd`], [`read_ptx`], [`read_grid`] and [`read_geotiff`] points, [`read_cylinders`] tables of cylinders, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
 //! header or an index claims is believed before the bytes for it have been seen, so memory stays within a
 //! small multiple of the file (of a picture: of its pixels, which are asked for), and any sequence of bytes
 //! gives a value or an [`InputError`].
@@ -12,6 +12,8 @@
 mod cloud;
 mod cylinders;
 mod e57;
+mod gather;
+mod geotiff;
 mod grid;
 mod inputs;
 mod las;
@@ -27,9 +29,11 @@ mod xyz;
 
 use glam::DVec3;
 
-pub use cloud::{Cloud, LeafColumn, TreeColumn};
+pub use cloud::{Cloud, LeafColumn, Thinned, TreeColumn};
 pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
 pub use e57::read_e57;
+pub use gather::ThinError;
+pub use geotiff::read_geotiff;
 pub use grid::read_grid;
 pub use inputs::{Geometry, Input, Inputs};
 pub use las::read_las;
@@ -105,6 +109,12 @@ pub enum InputError {
         /// `OBJ`, `PLY`, `XYZ`, `LAS` …
         format: &'static str,
         /// What is wrong, and what to do.
+        problem: String,
+    },
+    /// The system could not read on.
+    #[error("reading it failed: {problem}")]
+    Stream {
+        /// What the system says.
         problem: String,
     },
     /// A picture that is none.

@@ -5,8 +5,9 @@
 
 use glam::DVec3;
 
-use super::cloud::{Columns, is_read};
-use super::{Cloud, InputError, READING, READING_ADVICE, ROWS_PER_CHECK, in_range, make_room, quoted};
+use super::cloud::is_read;
+use super::gather::Gathering;
+use super::{Cloud, InputError, READING, READING_ADVICE, ROWS_PER_CHECK, in_range, quoted};
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 
@@ -46,12 +47,17 @@ const MOST: usize = 4096;
 /// [`InputError`] with the line: a header that lacks something, has no fields x, y, z or announces more than the file
 /// holds; damaged data; no points; no memory; cancelled.
 pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
+    thin_pcd(bytes, None, monitor)
+}
+
+/// The same; of each cube with sides `cube` one point is kept.
+pub(super) fn thin_pcd(bytes: &[u8], cube: Option<f64>, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     let header = Header::read(bytes)?;
     let columns = header.columns()?;
-    let mut points = Points::of(&header);
+    let mut points = Points::of(&header, cube, monitor);
     let body = &bytes[header.data..];
     match header.encoding {
-        Encoding::Ascii => read_ascii(body, &header, columns, &mut points, monitor)?,
+        Encoding::Ascii => read_ascii(body, &header, columns, &mut points)?,
         Encoding::Binary => {
             let row = header.row_bytes();
             let needed = header.points.saturating_mul(row);
@@ -63,7 +69,7 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
                 )));
             }
             let place = |column: usize, point: usize| point * row + header.bytes_before(column);
-            read_binary(body, &header, (columns, &place), &mut points, monitor)?;
+            read_binary(body, &header, (columns, &place), &mut points)?;
         }
         Encoding::Compressed => {
             let raw = unpacked(body, header.points.saturating_mul(header.row_bytes()), monitor)?;
@@ -71,57 +77,42 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
                 let Field { size, count, .. } = header.fields[column];
                 header.bytes_before(column) * header.points + point * size * count
             };
-            read_binary(&raw, &header, (columns, &place), &mut points, monitor)?;
+            points.all = points.all.holding(bytes_of::<u8>(raw.len()));
+            read_binary(&raw, &header, (columns, &place), &mut points)?;
         }
     }
-    if points.positions.is_empty() {
+    if points.all.came() == 0 {
         return Err(whole(&format!("none of its {} points has a place", header.points)));
     }
-    let (trees, leaves) = points.trees.finish();
-    Ok(Cloud { positions: points.positions, trees, leaves, ..Cloud::default() })
+    Ok(points.all.finish())
 }
 
 /// What is read of the points.
-struct Points {
-    positions: Vec<DVec3>,
-    trees: Columns,
-    /// The fields of `trees`.
+struct Points<'m> {
+    all: Gathering<'m>,
+    /// The fields of its columns.
     fields: Vec<usize>,
 }
 
-impl Points {
+impl<'m> Points<'m> {
     /// None yet, with the columns that tell trees apart.
-    fn of(header: &Header) -> Self {
+    fn of(header: &Header, cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
         let is_one = |&at: &usize| header.fields[at].count == 1 && is_read(&header.fields[at].name);
         let fields: Vec<usize> = (0..header.fields.len()).filter(is_one).collect();
-        let trees = Columns::new(fields.iter().map(|&at| header.fields[at].name.clone()));
-        Self { positions: Vec::new(), trees, fields }
+        let names = fields.iter().map(|&at| header.fields[at].name.clone());
+        Self { all: Gathering::new(names, cube, monitor), fields }
     }
 
     /// Adds a point and what it says of its tree, unless its place is the NaN of one without an echo.
-    fn push(
-        &mut self,
-        point: [f64; 3],
-        of_tree: impl Fn(usize) -> f64,
-        held: u64,
-        monitor: &dyn Monitor,
-    ) -> Result<(), Fault> {
+    fn push(&mut self, point: [f64; 3], of_tree: impl Fn(usize) -> f64) -> Result<(), Fault> {
         if point.iter().any(|x| x.is_nan()) {
             return Ok(());
         }
         for x in point {
             in_range(x).map_err(Fault::Place)?;
         }
-        let positions = &mut self.positions;
-        let over = |error| Fault::Other(InputError::Memory(error));
-        let so_far = held.saturating_add(bytes_of::<DVec3>(positions.capacity()));
-        self.trees.make_room(so_far, monitor).map_err(over)?;
-        make_room(positions, positions.capacity(), held, monitor).map_err(over)?;
-        positions.push(DVec3::from(point));
-        for (column, &field) in self.fields.iter().enumerate() {
-            self.trees.push(column, of_tree(field));
-        }
-        Ok(())
+        let added = self.all.push(DVec3::from(point), |column| of_tree(self.fields[column]));
+        added.map_err(|error| Fault::Other(InputError::Memory(error)))
     }
 }
 
@@ -215,9 +206,9 @@ fn read_ascii(
     body: &[u8],
     header: &Header,
     columns: [usize; 3],
-    points: &mut Points,
-    monitor: &dyn Monitor,
+    points: &mut Points<'_>,
 ) -> Result<(), InputError> {
+    let monitor = points.all.monitor();
     let before = |column: usize| header.fields[..column].iter().map(|field| field.count).sum::<usize>();
     let places = columns.map(before);
     let mut rows = 0;
@@ -241,9 +232,7 @@ fn read_ascii(
         }
         let of_tree =
             |field: usize| words.get(before(field)).and_then(|word| word.parse().ok()).unwrap_or(f64::NAN);
-        points
-            .push(point, of_tree, 0, monitor)
-            .map_err(|fault| fault.on(|expected| error(line, expected, &row)))?;
+        points.push(point, of_tree).map_err(|fault| fault.on(|expected| error(line, expected, &row)))?;
     }
     if rows < header.points {
         return Err(whole(&format!("{} points are announced, {rows} follow: it is cut off", header.points)));
@@ -255,9 +244,9 @@ fn read_binary(
     body: &[u8],
     header: &Header,
     (columns, place): ([usize; 3], &dyn Fn(usize, usize) -> usize),
-    points: &mut Points,
-    monitor: &dyn Monitor,
+    points: &mut Points<'_>,
 ) -> Result<(), InputError> {
+    let monitor = points.all.monitor();
     for point in 0..header.points {
         if point % ROWS_PER_CHECK == 0 {
             monitor.check()?;
@@ -274,8 +263,7 @@ fn read_binary(
         }
         let fault = |expected: &str| whole(&format!("point {point}: expected {expected}"));
         let of_tree = |field: usize| value(field).unwrap_or(f64::NAN);
-        let held = bytes_of::<u8>(body.len());
-        points.push(position, of_tree, held, monitor).map_err(|found| found.on(fault))?;
+        points.push(position, of_tree).map_err(|found| found.on(fault))?;
     }
     Ok(())
 }

@@ -516,7 +516,7 @@ fn read_vertices(
                     column.values.push(value as f32);
                 }
                 if let Some(column) = of_tree {
-                    trees.push(column, value);
+                    trees.take(column, value, true);
                 }
                 Ok(())
             }

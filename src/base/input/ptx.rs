@@ -6,7 +6,8 @@
 
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, in_range, lines, make_room, quoted, text_of, xyz};
+use super::gather::Gathering;
+use super::{Cloud, InputError, ROWS_PER_CHECK, in_range, lines, quoted, text_of, xyz};
 use crate::monitor::Monitor;
 
 /// Whether a text begins as PTX does: two lines of a whole number each, then three lines or more of three numbers.
@@ -25,8 +26,13 @@ pub(super) fn is_ptx(text: &str) -> bool {
 /// # Errors
 /// [`InputError`] with the line: numbers that are none, fewer points than a stand announces, no points at all; not UTF-8; no
 /// memory; cancelled.
-pub fn read_ptx(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
-    let mut points = Vec::new();
+pub fn read_ptx(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
+    thin_ptx(bytes, None, monitor)
+}
+
+/// The same; of each cube with sides `cube` one point is kept.
+pub(super) fn thin_ptx(bytes: &[u8], cube: Option<f64>, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
+    let mut points = Gathering::new([], cube, monitor);
     let mut rows = lines(text_of(bytes)?).filter(|(_, row)| !row.trim().is_empty()).peekable();
     let mut stand = 0;
     while rows.peek().is_some() {
@@ -67,14 +73,13 @@ pub fn read_ptx(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
             for x in placed.to_array() {
                 in_range(x).map_err(|expected| error(line, &format!("{expected} after its matrix"), row))?;
             }
-            make_room(&points, points.capacity(), 0, monitor)?;
-            points.push(placed);
+            points.push(placed, |_| f64::NAN)?;
         }
     }
-    if points.is_empty() {
+    if points.came() == 0 {
         return Err(whole("no pulse of it came back: all its points are 0 0 0".to_owned()));
     }
-    Ok(points)
+    Ok(points.finish())
 }
 
 /// The numbers of a line, exactly so many or more.
@@ -109,7 +114,7 @@ mod tests {
     #[test]
     fn stands_are_put_by_their_matrices() {
         assert!(is_ptx(TWO));
-        let points = read_ptx(TWO.as_bytes(), &Quiet).unwrap();
+        let points = read_ptx(TWO.as_bytes(), &Quiet).unwrap().positions;
         assert_eq!(points.len(), 4);
         assert_eq!(points[1], DVec3::new(4.0, 5.0, 6.0));
         // (x, y) becomes (-y, x).

@@ -1,7 +1,7 @@
 //! Tells what a file is by what it holds; its name only decides between what the content leaves open.
 
 use super::table::Layout;
-use super::{InputError, cylinders, grid, lines, mat, ply, ptx, text_of, xyz};
+use super::{InputError, cylinders, geotiff, grid, lines, mat, ply, ptx, text_of, xyz};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub enum InputKind {
     PcdPoints,
     /// PTX: the stands of a scanner as text.
     PtxPoints,
-    /// Esri's ASCII grid: heights of a canopy.
+    /// Esri's ASCII grid, or `GeoTIFF`: heights of a canopy.
     HeightGrid,
     /// A table of cylinders: a tree that was measured or grown elsewhere.
     Cylinders {
@@ -48,6 +48,9 @@ const CLOUDS: &[(&[u8], InputKind)] = &[
     (b"VERSION .7\nFIELDS", InputKind::PcdPoints),
 ];
 
+const TIFF: &str = "is a TIFF picture that does not say where its pixels lie on the ground; heights of a canopy need that \
+                    (GeoTIFF), and for a leaf or bark save it as PNG, JPEG, WebP or TGA";
+
 /// Openings of files that users may try, and what to say.
 const FOREIGN: &[(&[u8], &str)] = &[
     (b"glTF", "is a glTF binary; export the mesh as OBJ or PLY"),
@@ -62,8 +65,10 @@ const FOREIGN: &[(&[u8], &str)] = &[
     (b"\xff\xd8\xff", "is a picture"),
     (b"RIFF", "is a picture (WebP) or a sound"),
     (b"GIF8", "is a picture; for a leaf or bark save it as PNG, JPEG, WebP or TGA"),
-    (b"II*\0", "is a picture; for a leaf or bark save it as PNG, JPEG, WebP or TGA"),
-    (b"MM\0*", "is a picture; for a leaf or bark save it as PNG, JPEG, WebP or TGA"),
+    (b"II*\0", TIFF),
+    (b"MM\0*", TIFF),
+    (b"II+\0", TIFF),
+    (b"MM\0+", TIFF),
     (b"\x1f\x8b", "is compressed; unpack it first"),
     (b"PK\x03\x04", "is compressed; unpack it first"),
     (b"\x28\xb5\x2f\xfd", "is compressed; unpack it first"),
@@ -91,6 +96,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
     }
     if bytes.starts_with(mat::OPENING) || bytes.starts_with(mat::OPENING_HDF5) {
         return Ok(InputKind::Cylinders { tapered: false });
+    }
+    if geotiff::is_geotiff(bytes) {
+        return Ok(InputKind::HeightGrid);
     }
     if is_arbaro(bytes) {
         return Ok(InputKind::TreeParameters);

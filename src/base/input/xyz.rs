@@ -1,11 +1,12 @@
 //! Reads points as rows of numbers: `x y z`, with any further columns; CSV and PTS are such files too.
 
+use std::io::{BufRead, Read};
+
 use glam::DVec3;
 
-use super::cloud::Columns;
+use super::gather::Gathering;
 use super::table::Layout;
-use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, make_room, quoted, text_of};
-use crate::memory::bytes_of;
+use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
 use crate::monitor::Monitor;
 
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
@@ -19,65 +20,121 @@ use crate::monitor::Monitor;
 /// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite;
 /// fewer rows than announced; no rows at all; no memory; cancelled.
 pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
-    let mut points = Vec::new();
-    let mut columns = Columns::default();
-    let mut announced = None;
-    let mut header_seen = false;
-    let (mut header, mut layout): (Option<Layout>, Option<Layout>) = (None, None);
+    thin_xyz(bytes, None, monitor)
+}
+
+/// The same; of each cube with sides `cube` one point is kept.
+pub(super) fn thin_xyz(bytes: &[u8], cube: Option<f64>, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
+    let mut rows = Rows::new(cube, monitor);
     for (line, row) in lines(text_of(bytes)?) {
-        if line % ROWS_PER_CHECK == 0 {
-            monitor.check()?;
+        rows.row(line, row)?;
+    }
+    rows.finish()
+}
+
+/// The same of a stream, which is never held whole: lines end in line feeds.
+pub(super) fn stream_xyz(
+    mut stream: impl BufRead,
+    cube: Option<f64>,
+    monitor: &dyn Monitor,
+) -> Result<Cloud, InputError> {
+    let mut rows = Rows::new(cube, monitor);
+    let mut row = Vec::new();
+    let (mut done, mut line) = (0, 1);
+    loop {
+        row.clear();
+        // No row is longer; what is would be held whole.
+        let read = stream.by_ref().take(LONGEST_ROW).read_until(b'\n', &mut row);
+        let read = read.map_err(|error| whole(format!("line {line}: {error}")))?;
+        if read == 0 {
+            return rows.finish();
+        }
+        if read as u64 == LONGEST_ROW {
+            return Err(error(line, "a line feed within a million bytes", ""));
+        }
+        let opening: &[u8] = if line == 1 { "\u{feff}".as_bytes() } else { b"" };
+        let bytes = row.strip_prefix(opening).unwrap_or(&row);
+        let text = std::str::from_utf8(bytes).map_err(|error| InputError::NotUtf8 {
+            line,
+            byte: done + row.len() - bytes.len() + error.valid_up_to(),
+        })?;
+        rows.row(line, text)?;
+        done += read;
+        line += 1;
+    }
+}
+
+/// More bytes than any row of a table has.
+const LONGEST_ROW: u64 = 1 << 20;
+
+/// Rows as they come.
+struct Rows<'m> {
+    points: Gathering<'m>,
+    announced: Option<u64>,
+    header_seen: bool,
+    /// What a header says, and how rows are to be read where that is not usual.
+    header: Option<Layout>,
+    layout: Option<Layout>,
+}
+
+impl<'m> Rows<'m> {
+    fn new(cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
+        let points = Gathering::new([], cube, monitor);
+        Self { points, announced: None, header_seen: false, header: None, layout: None }
+    }
+
+    /// Takes a line, numbered from 1.
+    fn row(&mut self, line: usize, row: &str) -> Result<(), InputError> {
+        if line.is_multiple_of(ROWS_PER_CHECK) {
+            self.points.monitor().check()?;
         }
         let row = row.trim();
         if row.is_empty() {
-            continue;
+            return Ok(());
         }
-        if points.is_empty() && header.is_none() {
-            header = Layout::of_header(row);
+        let came = self.points.came();
+        if came == 0 && self.header.is_none() {
+            self.header = Layout::of_header(row);
         }
         if is_comment(row) {
-            continue;
+            return Ok(());
         }
-        if points.is_empty() {
-            let of_header = header.as_ref().and_then(|header| header.with_row(row));
-            layout = of_header.or_else(|| Layout::of_decimal_commas(row)).filter(|layout| !layout.is_usual());
-            columns = Columns::new(layout.iter().flat_map(Layout::trees));
+        if came == 0 {
+            let of_header = self.header.as_ref().and_then(|header| header.with_row(row));
+            let layout = of_header.or_else(|| Layout::of_decimal_commas(row));
+            self.layout = layout.filter(|layout| !layout.is_usual());
+            self.points.set_columns(self.layout.iter().flat_map(Layout::trees));
         }
-        let read =
-            layout.as_ref().map_or_else(|| Ok((position(row)?, Vec::new())), |layout| layout.point(row));
-        match read {
-            Ok((point, of_trees)) => {
-                columns.make_room(bytes_of::<DVec3>(points.capacity()), monitor)?;
-                make_room(&points, points.capacity(), 0, monitor)?;
-                points.push(point);
-                for (column, value) in of_trees.into_iter().enumerate() {
-                    columns.push(column, value);
-                }
-            }
+        let usual = || Ok((position(row)?, Vec::new()));
+        match self.layout.as_ref().map_or_else(usual, |layout| layout.point(row)) {
+            Ok((point, of_trees)) => self.points.push(point, |column| of_trees[column])?,
             Err(_)
-                if points.is_empty() && announced.is_none() && !header_seen && row.parse::<u64>().is_ok() =>
+                if came == 0
+                    && self.announced.is_none()
+                    && !self.header_seen
+                    && row.parse::<u64>().is_ok() =>
             {
-                announced = row.parse::<u64>().ok();
+                self.announced = row.parse::<u64>().ok();
             }
-            Err(_) if points.is_empty() && !header_seen && is_words(row) => header_seen = true,
-            Err(_) if announced == Some(points.len() as u64) && row.parse::<u64>().is_ok() => {
-                announced = row.parse::<u64>().ok().and_then(|more| more.checked_add(points.len() as u64));
+            Err(_) if came == 0 && !self.header_seen && is_words(row) => self.header_seen = true,
+            Err(_) if self.announced == Some(came) && row.parse::<u64>().is_ok() => {
+                self.announced = row.parse::<u64>().ok().and_then(|more| more.checked_add(came));
             }
             Err(expected) => return Err(error(line, &expected, row)),
         }
+        Ok(())
     }
-    let whole = |problem: String| InputError::Whole { format: "XYZ", problem };
-    if points.is_empty() {
-        return Err(whole("it holds no points; expected rows of three numbers x y z".to_owned()));
-    }
-    match announced {
-        Some(rows) if (points.len() as u64) < rows => {
-            let found = points.len();
-            Err(whole(format!("its first line announces {rows} points, {found} follow: it may be cut off")))
+
+    fn finish(self) -> Result<Cloud, InputError> {
+        let found = self.points.came();
+        if found == 0 {
+            return Err(whole("it holds no points; expected rows of three numbers x y z".to_owned()));
         }
-        _ => {
-            let (trees, leaves) = columns.finish();
-            Ok(Cloud { positions: points, trees, leaves, ..Cloud::default() })
+        match self.announced {
+            Some(rows) if found < rows => Err(whole(format!(
+                "its first line announces {rows} points, {found} follow: it may be cut off"
+            ))),
+            _ => Ok(self.points.finish()),
         }
     }
 }
@@ -118,6 +175,10 @@ fn is_words(row: &str) -> bool {
 
 fn starts_as_number(row: &str) -> bool {
     row.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
+}
+
+fn whole(problem: String) -> InputError {
+    InputError::Whole { format: "XYZ", problem }
 }
 
 fn error(line: usize, expected: &str, found: &str) -> InputError {

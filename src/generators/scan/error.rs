@@ -1,5 +1,6 @@
 //! Why no tree grew into given points.
 
+use linden_base::input::ThinError;
 use linden_base::knob::printable;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
@@ -27,6 +28,20 @@ pub enum ScanGrowthError {
     /// The tree that is asked for is not in the file.
     #[error("{0}")]
     Trees(String),
+    /// The points were thinned while they were read, and other ones are wanted by now.
+    #[error(
+        "thin={wanted}: the points of {} were read with thin={read}, and the others are not there any more; open the \
+         file again with --set thin={wanted}",
+        printable(.file)
+    )]
+    Thinned {
+        /// As the settings name it.
+        file: String,
+        /// The sides of the cubes that they were thinned to.
+        read: f64,
+        /// Those that are wanted; 0: all points.
+        wanted: f64,
+    },
     /// The file is missing or holds something else.
     #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
     WrongInput {
@@ -38,6 +53,15 @@ pub enum ScanGrowthError {
 }
 
 linden_base::from_cancellable!(ScanGrowthError: ScanError => Scan, StandError => Stand);
+
+impl From<ThinError> for ScanGrowthError {
+    fn from(error: ThinError) -> Self {
+        match error {
+            ThinError::Memory(over) => over.into(),
+            ThinError::Cancelled(cancelled) => cancelled.into(),
+        }
+    }
+}
 
 impl From<GrowthError> for ScanGrowthError {
     fn from(error: GrowthError) -> Self {

@@ -1,8 +1,10 @@
 //! Scans as a generator.
 
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
-use linden_base::input::{Cloud, Geometry, Inputs, Up};
+use linden_base::input::{Cloud, Geometry, Inputs, Thinned, Up};
 use linden_base::knob::{Knob, Value, excerpt};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Quiet};
@@ -79,7 +81,7 @@ impl Generator for Scans {
         &[
             TableKey {
                 name: FILE,
-                help: "the points (LAS, LAZ, E57, PLY, PCD, PTX, XYZ, CSV) or heights of a canopy (ASC), relative to the preset",
+                help: "the points (LAS, LAZ, E57, PLY, PCD, PTX, XYZ, CSV) or heights of a canopy (ASC, GeoTIFF), relative to the preset",
                 content: KeyContent::File,
             },
             TableKey {
@@ -114,13 +116,30 @@ impl Generator for Scans {
 }
 
 impl ScanSettings {
-    /// The points, and the axis that usually points up in such files.
-    pub(crate) fn cloud<'a>(&self, inputs: &'a Inputs) -> Option<(&'a Cloud, Up)> {
-        let input = inputs.get(&self.file)?;
-        match &input.geometry {
-            Geometry::Points(cloud) => Some((cloud, input.up)),
-            _ => None,
-        }
+    /// The points, thinned as the settings say, and the axis that usually points up in such files.
+    pub(crate) fn cloud(
+        &self,
+        inputs: &Inputs,
+        monitor: &dyn Monitor,
+    ) -> Result<(Arc<Cloud>, Up), ScanGrowthError> {
+        let wrong = || ScanGrowthError::WrongInput { file: self.file.clone(), expected: "points" };
+        let input = inputs.get(&self.file).ok_or_else(wrong)?;
+        let Geometry::Points(cloud) = &input.geometry else { return Err(wrong()) };
+        let cloud = match (cloud.thinned, self.thinning()) {
+            // A grid of heights has a point a cell.
+            _ if cloud.cell.is_some() => cloud.clone(),
+            (None, None) => cloud.clone(),
+            (None, Some(cube)) => cloud.thinning_cache.get(cube, || cloud.thin(cube, monitor))?,
+            (Some(Thinned { cube, .. }), _) if cube == self.thin => cloud.clone(),
+            (Some(Thinned { cube, .. }), _) => {
+                return Err(ScanGrowthError::Thinned {
+                    file: self.file.clone(),
+                    read: cube,
+                    wanted: self.thin,
+                });
+            }
+        };
+        Ok((cloud, input.up))
     }
 }
 
@@ -150,6 +169,10 @@ impl Settings for ScanSettings {
         vec![&self.file]
     }
 
+    fn thinning(&self) -> Option<f64> {
+        Some(self.thin).filter(|&cube| cube > 0.0)
+    }
+
     fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {
         if let Some(name) = renamed(&self.file) {
             self.file = name;
@@ -160,23 +183,31 @@ impl Settings for ScanSettings {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
         let points = Passage { heading: "attraction points", lines: vec![line] };
+        let cloud = self.cloud(inputs, &Quiet).ok();
         let lines: Vec<String> =
-            match self.cloud(inputs).map(|(cloud, up)| trees::columns(self, cloud, up, &Quiet)) {
+            match cloud.as_ref().map(|(cloud, up)| trees::columns(self, cloud, *up, &Quiet)) {
                 Some(Ok(columns)) => columns.all().iter().map(trees::line).collect(),
                 Some(Err(problem)) => vec![problem.to_string()],
                 None => Vec::new(),
             };
         let trees = (!lines.is_empty()).then_some(Passage { heading: "trees that are told apart", lines });
-        let leaves = self
-            .cloud(inputs)
+        let leaves = cloud
+            .as_ref()
             .and_then(|(cloud, _)| cloud.leaves.as_ref())
             .map(|column| Passage { heading: "points on leaves", lines: vec![trees::leaf_line(column)] });
         std::iter::once(points).chain(trees).chain(leaves).collect()
     }
 
     fn trees(&self, inputs: &Inputs, monitor: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
-        let Some((cloud, up)) = self.cloud(inputs).filter(|_| self.tree.is_none()) else { return Ok(None) };
-        let columns = trees::columns(self, cloud, up, monitor)?;
+        if self.tree.is_some() {
+            return Ok(None);
+        }
+        let (cloud, up) = match self.cloud(inputs, monitor) {
+            // Who grows them says so.
+            Err(ScanGrowthError::WrongInput { .. }) => return Ok(None),
+            found => found?,
+        };
+        let columns = trees::columns(self, &cloud, up, monitor)?;
         let column = trees::column(self, columns.all())?;
         let trees = column.map(|column| {
             let told_by = format!("'{}'", excerpt(&column.name));
@@ -215,11 +246,11 @@ impl Settings for ScanSettings {
     }
 
     fn limit(&mut self, inputs: &Inputs, size: &SampleSize) -> Result<bool, String> {
-        let points = self.cloud(inputs).map_or(0, |(cloud, up)| match self.segmentation {
+        let points = self.cloud(inputs, &Quiet).map_or(0, |(cloud, up)| match self.segmentation {
             // Only for their number a plot is not segmented: there are no more of a tree than of all.
             Segmentation::Paths => cloud.positions.len(),
             Segmentation::Column => {
-                trees::chosen(self, cloud, up, &Quiet).map_or(0, |chosen| chosen.points.len())
+                trees::chosen(self, &cloud, up, &Quiet).map_or(0, |chosen| chosen.points.len())
             }
         });
         self.growth.limit(points, size)
@@ -265,15 +296,15 @@ fn planted(
     task: &Task<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Planted, ScanGrowthError> {
-    let wrong = || ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" };
-    let (cloud, up) = settings.cloud(task.inputs).ok_or_else(wrong)?;
-    let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, cloud, up, monitor)?;
+    let (cloud, up) = settings.cloud(task.inputs, monitor)?;
+    let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, &cloud, up, monitor)?;
+    let first_notes = || thinning_note(settings, &cloud).into_iter().chain(of_trees.clone());
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
         let Prepared { site, bark, leaf_points, axes } =
             at_points(settings, (points, is_leaf), up, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
-        stand.notes.splice(0..0, of_trees.clone());
+        stand.notes.splice(0..0, first_notes());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
         let bark = bark.map(|bark| bark.iter().map(place).collect());
         let foot = axes.of(stand.foot);
@@ -303,6 +334,16 @@ fn planted(
         Err(error) => return Err(error),
     }
     grow(&points, As::Canopy)
+}
+
+/// What is said of points that were left out while they were read.
+fn thinning_note(settings: &ScanSettings, cloud: &Cloud) -> Option<String> {
+    let thin = settings.thinning()?;
+    let Some(Thinned { of, .. }) = cloud.thinned else {
+        return Some("a grid of heights has a point a cell: thin leaves it as it is".to_owned());
+    };
+    let kept = cloud.positions.len();
+    Some(format!("thin={thin}: {kept} of {of} points were kept, the first in each cube"))
 }
 
 /// Points on the bark of the tree, where it stands.

@@ -29,9 +29,9 @@ impl ScanPart {
     pub fn new(settings: &ScanSettings, task: &Task<'_>, size: SampleSize, monitor: &dyn Monitor) -> Self {
         let input = task.inputs.get(&settings.file);
         // What is wrong with them is said by who grows.
-        let given = settings
-            .cloud(task.inputs)
-            .and_then(|(cloud, up)| Some(chosen(settings, cloud, up, monitor).ok()?.points));
+        let read = settings.cloud(task.inputs, monitor).ok();
+        let given =
+            read.as_ref().and_then(|(cloud, up)| Some(chosen(settings, cloud, *up, monitor).ok()?.points));
         let given = given.unwrap_or(Cow::Borrowed(&[]));
         let given = &given[..];
         let points = given.len();
@@ -44,6 +44,7 @@ impl ScanPart {
             smaller.tree = None;
             smaller.instance = None;
             smaller.segmentation = Segmentation::Column;
+            smaller.thin = 0.0;
         }
         smaller.growth.max_nodes = settings.growth.max_nodes.min(size.nodes);
         let (mut coarser, mut longer) = (1.0, 1.0);

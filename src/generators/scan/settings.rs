@@ -1,6 +1,6 @@
 //! How given points are taken for a tree.
 
-use linden_base::knob::{Field, Kind, Knob, Value, real_or_auto, set, values};
+use linden_base::knob::{Field, Kind, Knob, Value, real, real_or_auto, set, values};
 use linden_base::{field, words};
 use linden_growth::GrowthSettings;
 use linden_skeleton::{Width, Wood};
@@ -73,6 +73,8 @@ pub struct ScanSettings {
     pub stems: Option<f64>,
     /// Metres for a unit of given points; `None`: 1, or what makes a possible tree of a scan.
     pub scale: Option<f64>,
+    /// The sides of the cubes of which one point each is kept, in the file's units; 0: all are.
+    pub thin: f64,
 }
 
 impl ScanSettings {
@@ -189,6 +191,19 @@ impl ScanSettings {
             ),
             see_also(&["up", "origin", "step"])
         ),
+        field!(
+            "thin",
+            real(0.0, 1000.0),
+            "",
+            "the first point in each cube with sides of this length is kept, in the file's units; 0: all points are",
+            thin,
+            details(
+                "For clouds that are larger than the memory: LAS, LAZ, E57 and tables of points are thinned while they are \
+                 read, so that only what is kept is ever held. 0.01 (a centimetre, where the file is in metres) leaves most \
+                 of what a scan from a distance shows; fine twigs thin out first. docs/scans.md says what it costs."
+            ),
+            see_also(&["step", "noise_filter", "scale"])
+        ),
     ];
 
     /// Points of a file, with everything else at its default.
@@ -205,6 +220,7 @@ impl ScanSettings {
             noise_filter: true,
             stems: None,
             scale: None,
+            thin: 0.0,
         }
     }
 

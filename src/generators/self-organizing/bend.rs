@@ -18,6 +18,10 @@ const DENSITY: f64 = 900.0;
 const GRAVITY: f64 = 9.81;
 /// The most that an internode bends in a year, radians.
 const MOST: f64 = 0.3;
+/// How far down an internode points at least that such a bend takes past the vertical, a little less than cos [`MOST`].
+const STEEP: f32 = 0.95;
+/// Pipes of which diameters are kept: nearly all internodes have fewer.
+const KEPT: u32 = 256;
 
 /// What hangs on a node: weight in newtons, and weight times place in newton metres.
 #[derive(Clone, Copy, Default)]
@@ -74,6 +78,9 @@ impl Growth<'_> {
         let settings = self.settings;
         let nodes = &mut self.nodes;
         let pipes = nodes.pipes();
+        let kept: Vec<f64> = (0..KEPT).map(|pipes| settings.diameter_m(pipes)).collect();
+        let diameter_m =
+            |pipes: u32| kept.get(pipes as usize).copied().unwrap_or_else(|| settings.diameter_m(pipes));
         let mut loads = vec![Load::default(); nodes.len()];
         let mut turns = vec![DQuat::IDENTITY; nodes.len()];
         for node in (0..nodes.len()).rev() {
@@ -84,7 +91,7 @@ impl Growth<'_> {
             let scale = settings.internode_m;
             let (start, end) =
                 (nodes.places[parent].as_dvec3() * scale, nodes.places[node].as_dvec3() * scale);
-            let diameter = settings.diameter_m(pipes[node]);
+            let diameter = diameter_m(pipes[node]);
             let length = (end - start).length();
             let wood = GRAVITY * DENSITY * PI / 4.0 * diameter * diameter * length;
             let leaves = GRAVITY * settings.leaf_weight_kg;
@@ -113,6 +120,10 @@ impl Growth<'_> {
         }
         // No internode turns past the direction in which it hangs.
         for (turn, direction) in turns.iter_mut().zip(&nodes.directions) {
+            // Most are far from it: an acos each would be a tenth of all growth.
+            if *turn == DQuat::IDENTITY || -direction.y < STEEP {
+                continue;
+            }
             let hanging = libm::acos(f64::from(-direction.y).clamp(-1.0, 1.0));
             let (axis, angle) = turn.to_axis_angle();
             if angle > hanging {

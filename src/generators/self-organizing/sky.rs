@@ -5,12 +5,15 @@
 //! them is a whole number of leafy nodes, the same in any order. Shade has no end, as the pyramids of
 //! [`shadow`](crate::shadow) have: a crown is lit from outside, and no storeys form in it.
 
+use std::ops::Range;
+
 use glam::DVec3;
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
+use rayon::prelude::*;
 
 use crate::light::{FULL_LIGHT, Voxel};
-use crate::tree::Nodes;
+use crate::tree::{APEX, Nodes};
 use crate::{SelfOrganizing, SelfOrganizingError};
 
 /// The edge of a voxel, internodes.
@@ -86,9 +89,14 @@ pub(crate) struct Sky {
     size: [usize; 3],
     /// Leafy nodes in each voxel; level by level, z runs fastest.
     leafy: Vec<u32>,
-    /// What each voxel gets, and from where.
+    /// The place in `lit` of each voxel with a bud in it; [`NO_BUD`] for the others.
+    places: Vec<u32>,
+    /// What the voxels with buds get, and from where.
     lit: Vec<Lit>,
 }
+
+/// Of a voxel whose light nobody asks for.
+const NO_BUD: u32 = u32::MAX;
 
 /// The light of a voxel.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,6 +105,30 @@ struct Lit {
     light: u32,
     /// The sum of directions, each as bright as it is.
     from: [f32; 3],
+}
+
+/// Goes over the lines of a level of voxels: each with the range of those that lie so many steps along x and z, as far as both
+/// are there.
+fn shifted(
+    level: &mut [u32],
+    [wide, deep]: [usize; 2],
+    [dx, dz]: [i32; 2],
+    mut line: impl FnMut(&mut [u32], Range<usize>),
+) {
+    /// Where both a place and the one so many steps on are on a line of so many.
+    fn on_both(count: usize, step: i32) -> Range<usize> {
+        let away = step.unsigned_abs() as usize;
+        if step < 0 { away.min(count)..count } else { 0..count.saturating_sub(away) }
+    }
+    let beside = |at: usize, step: i32| (at as i64 + i64::from(step)) as usize;
+    let across = on_both(deep, dz);
+    if across.is_empty() {
+        return;
+    }
+    for x in on_both(wide, dx) {
+        let first = beside(x, dx) * deep + beside(across.start, dz);
+        line(&mut level[x * deep..][across.clone()], first..first + across.len());
+    }
 }
 
 /// The voxel of a node.
@@ -124,10 +156,11 @@ impl Sky {
         let passing = directions.iter().map(passing).collect();
         let (low, size) = ([0; 3], [0; 3]);
         let leaf_years = settings.leaf_years;
-        Self { directions, passing, leaf_years, low, size, leafy: Vec::new(), lit: Vec::new() }
+        let (leafy, places, lit) = (Vec::new(), Vec::new(), Vec::new());
+        Self { directions, passing, leaf_years, low, size, leafy, places, lit }
     }
 
-    /// Works the light of all voxels out, as it is at the beginning of a year.
+    /// Works the light of all voxels with buds out, as it is at the beginning of a year.
     ///
     /// # Errors
     /// [`SelfOrganizingError`]: too little memory, cancelled.
@@ -154,83 +187,133 @@ impl Sky {
         low[1] = 0;
         let size = [0, 1, 2].map(|axis| (high[axis] - low[axis] + 1) as usize);
         let count = size.iter().fold(1_usize, |count, &edge| count.saturating_mul(edge));
-        let paths = size[0].saturating_mul(size[2]).saturating_mul(2 * self.directions.len());
-        let bytes = bytes_of::<Lit>(count).saturating_add(bytes_of::<u32>(count.saturating_add(paths)));
-        monitor.admit(DOING, bytes, ADVICE)?;
+        let has_bud = |&node: &usize| nodes.is(node, APEX) || nodes.buds[node] != 0;
+        let with_buds = (0..nodes.len()).filter(has_bud);
+        let directions = self.directions.len();
+        // Two levels of paths, and what passes to each bud.
+        let paths =
+            size[0].saturating_mul(size[2]).saturating_mul(2).saturating_add(with_buds.clone().count());
+        let voxel_bytes = bytes_of::<[u32; 2]>(count);
+        let path_bytes = bytes_of::<u32>(paths.saturating_mul(directions));
+        let lit_bytes = bytes_of::<Lit>(with_buds.clone().count());
+        monitor.admit(DOING, voxel_bytes.saturating_add(path_bytes).saturating_add(lit_bytes), ADVICE)?;
         (self.low, self.size) = (low, size);
         self.leafy.clear();
         self.leafy.resize(count, 0);
-        self.lit.clear();
-        self.lit.resize(count, Lit::default());
         for voxel in voxels {
             if let Some(slot) = self.slot(voxel) {
                 self.leafy[slot] += 1;
             }
         }
-        Ok(self.shine_down(monitor)?)
+        let mut asked: Vec<usize> = with_buds.filter_map(|node| self.slot(voxel(nodes, node))).collect();
+        asked.sort_unstable();
+        asked.dedup();
+        self.places.clear();
+        self.places.resize(count, NO_BUD);
+        for (place, &slot) in (0..).zip(&asked) {
+            self.places[slot] = place;
+        }
+        Ok(self.shine_on(&asked, monitor)?)
     }
 
-    /// From the highest level down: a path of a direction goes on with what it had in the level above.
-    fn shine_down(&mut self, monitor: &dyn Monitor) -> Result<(), Cancelled> {
-        let [wide, tall, deep] = self.size;
-        let level = wide * deep;
-        let mut above = vec![vec![0_u32; level]; self.directions.len()];
-        let mut here = vec![0_u32; level];
-        for y in (0..tall).rev() {
-            monitor.check()?;
-            let (leafy, lit) = (&self.leafy, &mut self.lit[y * level..][..level]);
-            let is_even = (self.low[1] + y as i32) % 2 == 0;
-            for ((direction, passing), above) in self.directions.iter().zip(&self.passing).zip(&mut above) {
-                let to = if direction.is_steep && is_even { [0, 0] } else { direction.to };
-                let towards = direction.towards.as_vec3() * (direction.weight as f32 / FULL_LIGHT as f32);
-                for x in 0..wide {
-                    for z in 0..deep {
-                        let at = |[dx, dz]: [i32; 2]| {
-                            let x = usize::try_from(x as i32 + dx).ok().filter(|&x| x < wide)?;
-                            let z = usize::try_from(z as i32 + dz).ok().filter(|&z| z < deep)?;
-                            Some(x * deep + z)
-                        };
-                        let nodes =
-                            |y: usize, slot: Option<usize>| slot.map_or(0, |slot| leafy[y * level + slot]);
-                        let upper = at(to).filter(|_| y + 1 < tall);
-                        let halves = match direction.between {
-                            None => 2 * nodes(y + 1, upper),
-                            Some(between) => nodes(y, at(between)) + nodes(y + 1, upper),
-                        };
-                        let halves = halves + upper.map_or(0, |slot| above[slot]);
-                        let slot = x * deep + z;
-                        here[slot] = halves;
-                        // What is beside a node shades it as from halfway through its voxel.
-                        let beside = leafy[y * level + slot].saturating_sub(1);
-                        let passes = passing[((halves + beside) as usize).min(passing.len() - 1)];
-                        let lit = &mut lit[slot];
-                        lit.light += ((u64::from(passes) * u64::from(direction.weight)) >> 16) as u32;
-                        let bright = passes as f32 / FULL_LIGHT as f32;
-                        lit.from[0] += towards.x * bright;
-                        lit.from[1] += towards.y * bright;
-                        lit.from[2] += towards.z * bright;
-                    }
-                }
-                std::mem::swap(above, &mut here);
+    /// Works the light of some voxels out, which are in rising order.
+    fn shine_on(&mut self, asked: &[usize], monitor: &dyn Monitor) -> Result<(), Cancelled> {
+        // Each direction by itself, on any thread; then one after the other, as floats do not sum up alike in any order.
+        let paths = self.directions.par_iter().zip(&self.passing);
+        let passing: Vec<Vec<u32>> = paths
+            .map(|(direction, passing)| self.passing_from(direction, passing, asked, monitor))
+            .collect::<Result<_, Cancelled>>()?;
+        self.lit.clear();
+        self.lit.resize(asked.len(), Lit::default());
+        for (direction, passing) in self.directions.iter().zip(passing) {
+            let towards = direction.towards.as_vec3() * (direction.weight as f32 / FULL_LIGHT as f32);
+            for (lit, passes) in self.lit.iter_mut().zip(passing) {
+                lit.light += ((u64::from(passes) * u64::from(direction.weight)) >> 16) as u32;
+                let bright = passes as f32 / FULL_LIGHT as f32;
+                lit.from[0] += towards.x * bright;
+                lit.from[1] += towards.y * bright;
+                lit.from[2] += towards.z * bright;
             }
         }
         Ok(())
     }
 
-    /// The light of a bud at a node, of [`FULL_LIGHT`].
-    pub fn light(&self, nodes: &Nodes, node: usize) -> u32 {
-        self.slot(voxel(nodes, node)).map_or(FULL_LIGHT, |slot| self.lit[slot].light.min(FULL_LIGHT))
+    /// What passes from a direction to each of some voxels, of [`FULL_LIGHT`]. From the highest level down: a path goes on
+    /// with what it had in the level above.
+    fn passing_from(
+        &self,
+        direction: &Direction,
+        passing: &[u32],
+        asked: &[usize],
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<u32>, Cancelled> {
+        let [wide, tall, deep] = self.size;
+        let level = wide * deep;
+        let mut above = vec![0_u32; level];
+        let mut here = vec![0_u32; level];
+        let mut passes = vec![0; asked.len()];
+        let mut end = asked.len();
+        for y in (0..tall).rev() {
+            if end == 0 {
+                break;
+            }
+            monitor.check()?;
+            let is_even = (self.low[1] + y as i32) % 2 == 0;
+            let to = if direction.is_steep && is_even { [0, 0] } else { direction.to };
+            here.fill(0);
+            if y + 1 < tall {
+                // Half of a voxel's nodes is met twice, where the path does not pass another one halfway.
+                let times = if direction.between.is_some() { 1 } else { 2 };
+                let upper = &self.leafy[(y + 1) * level..][..level];
+                shifted(&mut here, [wide, deep], to, |line, from| {
+                    for ((slot, above), upper) in line.iter_mut().zip(&above[from.clone()]).zip(&upper[from])
+                    {
+                        *slot = above + times * upper;
+                    }
+                });
+            }
+            let leafy = &self.leafy[y * level..][..level];
+            if let Some(between) = direction.between {
+                shifted(&mut here, [wide, deep], between, |line, from| {
+                    for (slot, leafy) in line.iter_mut().zip(&leafy[from]) {
+                        *slot += leafy;
+                    }
+                });
+            }
+            let start = asked[..end].partition_point(|&slot| slot < y * level);
+            for (passes, &slot) in passes[start..end].iter_mut().zip(&asked[start..end]) {
+                // What is beside a node shades it as from halfway through its voxel.
+                let beside = leafy[slot - y * level].saturating_sub(1);
+                let halves = here[slot - y * level] + beside;
+                *passes = passing[(halves as usize).min(passing.len() - 1)];
+            }
+            end = start;
+            std::mem::swap(&mut above, &mut here);
+        }
+        Ok(passes)
     }
 
-    /// The mean direction that light comes from, of length 1; none in the dark.
+    /// The light of a bud at a node, of [`FULL_LIGHT`].
+    pub fn light(&self, nodes: &Nodes, node: usize) -> u32 {
+        self.lit(nodes, node).map_or(FULL_LIGHT, |lit| lit.light.min(FULL_LIGHT))
+    }
+
+    /// The mean direction that light comes from to a bud at a node, of length 1; none in the dark.
     pub fn brighter(&self, nodes: &Nodes, node: usize) -> DVec3 {
-        let slot = self.slot(voxel(nodes, node));
-        slot.map_or(DVec3::Y, |slot| DVec3::from(self.lit[slot].from.map(f64::from)).normalize_or_zero())
+        let lit = self.lit(nodes, node);
+        lit.map_or(DVec3::Y, |lit| DVec3::from(lit.from.map(f64::from)).normalize_or_zero())
+    }
+
+    /// The light of a bud among the leaves; `None`: it is outside of them, in the open.
+    fn lit(&self, nodes: &Nodes, node: usize) -> Option<&Lit> {
+        let place = self.places[self.slot(voxel(nodes, node))?];
+        debug_assert_ne!(place, NO_BUD, "there is no bud");
+        self.lit.get(place as usize)
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        bytes_of::<Lit>(self.lit.capacity()) + bytes_of::<u32>(self.leafy.capacity())
+        bytes_of::<Lit>(self.lit.capacity()) + bytes_of::<u32>(self.leafy.capacity() + self.places.capacity())
     }
 
     fn slot(&self, voxel: Voxel) -> Option<usize> {
