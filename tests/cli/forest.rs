@@ -167,6 +167,102 @@ fn trees_that_compete_are_all_different_and_one_growth() {
     assert!(folder.read("again.glb") == one);
 }
 
+/// The trees of a table of cylinders: the middles of their segments, and whether each is on a lateral.
+fn stems(table: &[u8]) -> Vec<Vec<([f64; 3], bool)>> {
+    let text = std::str::from_utf8(table).unwrap();
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let column = |name: &str| names.iter().position(|each| *each == name).unwrap();
+    let columns = ["start_x_m", "start_y_m", "start_z_m"].map(column);
+    let [id, parent, order, tree] = ["id", "parent", "branch_order", "tree"].map(column);
+    let mut of = BTreeMap::new();
+    let mut trees: Vec<Vec<([f64; 3], bool)>> = Vec::new();
+    for line in lines {
+        let row: Vec<&str> = line.split(',').collect();
+        let number = match row[parent] {
+            "0" => {
+                trees.push(Vec::new());
+                trees.len() - 1
+            }
+            below => of[&(row[tree], below)],
+        };
+        of.insert((row[tree], row[id]), number);
+        trees[number].push((columns.map(|column| row[column].parse().unwrap()), row[order] != "0"));
+    }
+    trees
+}
+
+/// Of some trees: the mean height of the bases of their crowns ÷ that of the trees, the mean width of a crown ÷ 2, and
+/// the share of all voxels of 1 m with wood in them where two trees have some.
+fn crowns(trees: &[Vec<([f64; 3], bool)>]) -> [f64; 3] {
+    let mut in_voxels: BTreeMap<[i64; 3], std::collections::BTreeSet<usize>> = BTreeMap::new();
+    let [mut bases, mut radii] = [0.0; 2];
+    let quantile = |mut values: Vec<f64>, share: f64| {
+        values.sort_by(f64::total_cmp);
+        values[(values.len() as f64 * share) as usize]
+    };
+    for (number, tree) in trees.iter().enumerate() {
+        for (at, _) in tree {
+            in_voxels.entry(at.map(|along| along.floor() as i64)).or_default().insert(number);
+        }
+        let ([x, _, z], _) = tree[0];
+        let laterals: Vec<[f64; 3]> =
+            tree.iter().filter(|(_, is_lateral)| *is_lateral).map(|(at, _)| *at).collect();
+        let height = tree.iter().map(|(at, _)| at[1]).fold(0.0, f64::max);
+        bases += quantile(laterals.iter().map(|at| at[1]).collect(), 0.05) / height;
+        radii += quantile(laterals.iter().map(|at| (at[0] - x).hypot(at[2] - z)).collect(), 0.95);
+    }
+    let shared = in_voxels.values().filter(|trees| trees.len() > 1).count();
+    let count = trees.len() as f64;
+    [bases / count, radii / count, shared as f64 / in_voxels.len() as f64]
+}
+
+#[test]
+fn trees_that_compete_for_light_have_longer_boles_and_crowns_that_keep_apart() {
+    let folder = Folder::new();
+    let line = ["forest", "oak", "--area", "15", "--spacing", "2.5", "--trees", "16", "--set", "years=20"];
+    let rest = ["--set", "epicormic=0", "--size-spread", "0", "--distinct", "16", "--seed", "2"];
+    let grown = |name: &str, how: &[&str]| {
+        let said = folder.run(&[&line[..], &rest, how, &["-o", name]].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        stems(&folder.read(name))
+    };
+    let alone = crowns(&grown("alone.csv", &[]));
+    let stand = grown("stand.csv", &["--compete"]);
+    assert_eq!(stand.len(), 16);
+    let together = crowns(&stand);
+    println!("alone {alone:?}, together {together:?}");
+    assert!(together[0] > 1.25 * alone[0], "boles: {alone:?} {together:?}");
+    assert!(together[1] < 0.75 * alone[1], "widths: {alone:?} {together:?}");
+    assert!(together[2] < 0.25 * alone[2], "shared voxels: {alone:?} {together:?}");
+
+    // On one thread and two, as meshes in a file that carries its recipe.
+    let line = ["forest", "apple", "--area", "14", "--spacing", "3", "--trees", "9", "--compete"];
+    let one = exported(&folder, &line);
+    let document = glb(&one);
+    assert_eq!(trees(&document).len(), 1, "they are one growth");
+    let root = document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize;
+    folder.write("again.json", document["nodes"][root]["extras"]["linden"].to_string());
+    folder.run(&["forest", "again.json", "-o", "again.glb"]).done();
+    assert!(folder.read("again.glb") == one);
+}
+
+#[test]
+fn trees_that_died_for_want_of_light_are_told() {
+    let folder = Folder::new();
+    let line = ["forest", "oak", "--area", "5", "--spacing", "0.5", "--trees", "40", "--compete"];
+    let rest = ["--set", "years=28", "--size-spread", "0.4", "-o", "close.csv"];
+    let said = folder.run(&[&line[..], &rest].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let left = stems(&folder.read("close.csv")).len();
+    assert!((5..38).contains(&left), "{left}");
+    let died = format!("{} of 40 trees died in the shade of others", 40 - left);
+    assert!(said.err.contains(&died), "{died}: {}", said.err);
+    assert!(said.err.contains("size_spread changes nothing"), "{}", said.err);
+    let said = folder.run(&["forest", "wp-black-oak", "--compete", "-o", "no.glb"]);
+    assert!(said.err.contains("that grows by light, like 'oak'"), "{}", said.err);
+}
+
 /// A box as OBJ, its base's middle at `at`, 2 m wide and high.
 fn box_at([x, y, z]: [f64; 3]) -> String {
     let mut text = String::new();

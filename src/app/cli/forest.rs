@@ -19,7 +19,7 @@ use crate::source::forest::{ForestFile, turn};
 ///
 /// A few trees of each kind are grown, and stand in many places, turned and sized at random: files hold
 /// each once, where the format can. With --compete all trees are different: they grow together, each into
-/// the space that the others leave.
+/// the space or the light that the others leave.
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Forest {

@@ -1,16 +1,19 @@
 //! Self-organizing trees as a generator.
 
+use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, RadiiFrom, SampleSize, Settings, Steps, TableKey, Task, Traits,
+    Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps, TableKey,
+    Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
 
-use crate::{SelfOrganizing, grow};
+use crate::sample::FirstTrees;
+use crate::{SelfOrganizing, grow_stand, stand};
 
 /// Trees whose buds compete for light.
 pub const GENERATOR: &dyn Generator = &SelfOrganizingTrees;
@@ -33,6 +36,9 @@ const PALUBICKI: Publication = Publication {
     venue: "ACM Transactions on Graphics 28(3)",
     pages: "58:1-58:10",
 };
+
+/// Trees of a stand that a page lists.
+const MOST_TOLD: usize = 12;
 
 struct SelfOrganizingTrees;
 
@@ -58,11 +64,12 @@ impl Generator for SelfOrganizingTrees {
     }
 
     fn keys(&self) -> &'static [TableKey] {
-        &[]
+        &[stand::TREES]
     }
 
-    fn read(&self, _: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
-        Ok(Box::new(SelfOrganizing::default()))
+    fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
+        let stand = table.find(stand::TREE).map(|entry| stand::read(&entry.node)).transpose()?;
+        Ok(Box::new(SelfOrganizing { stand: stand.unwrap_or_default(), ..SelfOrganizing::default() }))
     }
 }
 
@@ -79,8 +86,24 @@ impl Settings for SelfOrganizing {
         set(Self::FIELDS, self, knob, value)
     }
 
+    fn written(&self) -> Vec<(&'static str, Written)> {
+        let tables = || self.stand.iter().copied().map(stand::written).collect();
+        (!self.stand.is_empty()).then(|| (stand::TREE, Written::Tables(tables()))).into_iter().collect()
+    }
+
     fn plain(&self) -> Box<dyn Settings> {
-        Box::new(Self::default())
+        Box::new(Self { stand: self.stand.clone(), ..Self::default() })
+    }
+
+    fn describe(&self, _: &Inputs) -> Vec<Passage> {
+        if self.stand.is_empty() {
+            return Vec::new();
+        }
+        let tree = |(number, [x, z]): (usize, &[f64; 2])| format!("{number} at {x}, {z}");
+        let more = self.stand.len().saturating_sub(MOST_TOLD);
+        let trees = (2..).zip(&self.stand).take(MOST_TOLD).map(tree);
+        let lines = trees.chain((more > 0).then(|| format!("and {more} more"))).collect();
+        vec![Passage { heading: "further trees", lines }]
     }
 
     fn idle(&self, knob: &str, _: &Wood) -> Option<&'static str> {
@@ -110,9 +133,24 @@ impl Settings for SelfOrganizing {
         Ok(false)
     }
 
+    fn sampler<'a>(
+        &'a self,
+        _: &Task<'a>,
+        _: SampleSize,
+        _: &'a dyn Monitor,
+    ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
+        Ok(Box::new(FirstTrees::new(self)))
+    }
+
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        let grown = grow(self, task.key().named("self-organizing"), monitor)?;
-        Ok(Branched { branching: grown.branching, most_nodes: self.max_nodes.into(), ..Branched::default() })
+        let feet =
+            [Vec3::ZERO].into_iter().chain(self.stand.iter().map(|&[x, z]| DVec3::new(x, 0.0, z).as_vec3()));
+        let feet: Vec<Vec3> = feet.collect();
+        let grown = grow_stand(self, &feet, task.key().named("self-organizing"), monitor)?;
+        let note = || format!("{} of {} trees died in the shade of others", grown.died, feet.len());
+        let notes = (grown.died > 0).then(note).into_iter().collect();
+        let most_nodes = self.max_nodes.into();
+        Ok(Branched { branching: grown.branching, most_nodes, notes, ..Branched::default() })
     }
 }
 

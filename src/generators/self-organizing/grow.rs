@@ -25,6 +25,8 @@ pub struct Grown {
     pub branching: Branching,
     /// Nodes of branches and trees that were shed.
     pub shed: u64,
+    /// Trees that died for want of light, of which nothing is left.
+    pub died: usize,
 }
 
 impl Grown {
@@ -59,8 +61,8 @@ pub fn grow(
 
 /// Grows a tree on each foot, metres, y = 0; they shade each other, and grow year by year at the same time.
 ///
-/// A tree's random choices follow from its number and the key, not from the other trees. A tree without any light
-/// falls, but for [`SelfOrganizing::shed`] = 0: there may be fewer trees than feet.
+/// A tree's random choices follow from its number and the key, not from the other trees. A tree that gets too little
+/// light for years dies, but for [`SelfOrganizing::shed`] = 0: there may be fewer trees than feet.
 ///
 /// # Errors
 /// As [`grow`].
@@ -87,7 +89,9 @@ pub fn grow_stand(
         growth.grow_year(monitor)?;
         monitor.advance(Phase::Age, growth.year.into(), Some(years.into()));
     }
-    growth.finish(monitor)
+    let grown = growth.finish(monitor)?;
+    let standing = grown.branching.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
+    Ok(Grown { died: feet.len() - standing, ..grown })
 }
 
 /// A foot at the origin is in the middle of its voxel, so that shade falls evenly about it.
@@ -240,6 +244,6 @@ impl<'a> Growth<'a> {
             parents: nodes.parents,
             births: nodes.births,
         };
-        Ok(Grown { branching, shed })
+        Ok(Grown { branching, shed, died: 0 })
     }
 }

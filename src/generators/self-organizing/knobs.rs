@@ -7,6 +7,9 @@ use linden_skeleton::generator::Steps;
 use crate::tree::MOST_BUDS;
 use crate::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
 
+/// The largest limit of nodes.
+pub const MOST_NODES: u32 = 100_000_000;
+
 /// A list with a number for each order.
 const fn per_order(min: f64, max: f64) -> Kind {
     Kind::Reals { min, max, most: MAX_ORDERS as usize }
@@ -394,7 +397,7 @@ impl SelfOrganizing {
         ),
         field!(
             "max_nodes",
-            integer(2, 100_000_000),
+            integer(2, MOST_NODES as u64),
             "nodes",
             "larger trees are refused",
             max_nodes,

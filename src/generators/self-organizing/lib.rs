@@ -47,16 +47,20 @@ mod light;
 mod plane;
 #[cfg(test)]
 mod predictions;
+mod sample;
 mod settings;
 mod shadow;
 mod share;
 mod shed;
 mod shoot;
 mod sky;
+mod stand;
 mod sums;
 mod tree;
 
 pub use error::SelfOrganizingError;
 pub use generator::GENERATOR;
 pub use grow::{Grown, grow, grow_stand};
+pub use knobs::MOST_NODES;
 pub use settings::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
+pub use stand::MOST_TREES;

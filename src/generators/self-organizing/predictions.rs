@@ -446,3 +446,24 @@ fn vigor_halves_in_equal_times_and_old_trees_slow_down() {
         [steady, declining].map(|settings| height(to, &settings) - height(from, &settings));
     assert!(declining > 0.0 && declining < 0.8 * steady, "{declining} m of {steady} m");
 }
+
+#[test]
+fn under_the_sky_trees_that_others_overtop_die_and_free_ones_do_not() {
+    let settings = SelfOrganizing { light: LightModel::Sky, shade: 0.4, years: 24, shed: 0.25, ..measured() };
+    let stand = |spacing_m: f32, settings: &SelfOrganizing| {
+        let at = |i: i32| i as f32 * spacing_m;
+        let feet: Vec<Vec3> = (0..36).map(|i| Vec3::new(at(i % 6), 0.0, at(i / 6))).collect();
+        let grown = grow_stand(settings, &feet, Key::new(2), &Quiet).unwrap();
+        let standing = grown.branching.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
+        assert_eq!(standing + grown.died, 36);
+        grown.died
+    };
+    let died = [0.2, 0.4, 6.0].map(|spacing_m| stand(spacing_m, &settings));
+    println!("{died:?}");
+    assert!(died[0] > 0 && died[1] > 0 && died[2] == 0, "{died:?}");
+    assert_eq!(
+        stand(0.2, &SelfOrganizing { shed: 0.0, ..settings }),
+        0,
+        "where nothing is shed, nothing dies"
+    );
+}

@@ -44,6 +44,9 @@ words! {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SelfOrganizing {
+    /// Where further trees stand, x and z in metres: they grow with the first one, which stands at the origin, and
+    /// all take each other's light.
+    pub stand: Vec<[f64; 2]>,
     /// Years that the tree grows.
     pub years: u32,
     /// The share of them that it has behind it.
@@ -147,6 +150,7 @@ impl Default for SelfOrganizing {
     /// A broadleaf that grows in the open.
     fn default() -> Self {
         Self {
+            stand: Vec::new(),
             years: 20,
             age: 1.0,
             internode_m: 0.1,

@@ -7,6 +7,10 @@ use crate::light::FULL_LIGHT;
 use crate::sums::Sums;
 use crate::tree::{LATERAL, Nodes, SHED};
 
+/// The least light of a tree in a stand for each of its internodes ÷ that of a branch. A stem bears the bare wood of its
+/// bole: old oaks in the open have about as little as a branch may have, the last trees below a canopy a quarter of it.
+const OF_A_TREE: f64 = 0.5;
+
 /// Marks the branches that are shed this year, [`SHED`]; how many nodes that are.
 ///
 /// A branch goes when for [`SelfOrganizing::shed_patience`] years in a row, and after its grace, the light of its
@@ -14,7 +18,8 @@ use crate::tree::{LATERAL, Nodes, SHED};
 /// light at the beginning of the year; its buds do not grow in the year in which it goes, and what they would have
 /// got is lost. Its tips stay in the pipes of the node that bore it.
 ///
-/// Where several trees stand, one without any light falls, its foot included.
+/// Where several trees stand, one dies, its foot included, when it gets no light at all, or for as long less than
+/// [`OF_A_TREE`] of what a branch must have. A lone tree stays whatever its light.
 ///
 /// A branch that begins below the height of the bole, in internodes, is cut off whatever its light.
 pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> usize {
@@ -26,7 +31,9 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
     let mut pipes = Vec::new();
     for node in 0..nodes.len() {
         if nodes.is_foot(node) {
-            if is_stand && sums.total(node) == 0 && settings.shed > 0.0 {
+            let least = OF_A_TREE * settings.shed;
+            let is_dark = || sums.total(node) == 0 && settings.shed > 0.0;
+            if is_stand && (is_dark() || is_too_dark(nodes, node, sums, settings, least, year)) {
                 nodes.flags[node] |= SHED;
                 count += 1;
             }
@@ -42,7 +49,7 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
             continue;
         }
         let is_cut = nodes.orders[node] > 0 && nodes.places[parent].y < bole;
-        if is_cut || is_too_dark(nodes, node, sums, settings, year) {
+        if is_cut || is_too_dark(nodes, node, sums, settings, settings.shed, year) {
             if pipes.is_empty() {
                 pipes = nodes.pipes();
             }
@@ -54,13 +61,22 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
     count
 }
 
-/// Counts the years in which a branch gets too little light; whether they were enough.
-fn is_too_dark(nodes: &mut Nodes, node: usize, sums: &Sums, settings: &SelfOrganizing, year: u32) -> bool {
+/// Counts the years in which a branch, or a tree by its foot, gets less light than `least` for each of its internodes;
+/// whether they were enough.
+fn is_too_dark(
+    nodes: &mut Nodes,
+    node: usize,
+    sums: &Sums,
+    settings: &SelfOrganizing,
+    least: f64,
+    year: u32,
+) -> bool {
     if settings.shed == 0.0 || year - nodes.year(node) <= settings.shed_grace {
         return false;
     }
     let light = sums.total(node) as f64 / f64::from(FULL_LIGHT);
-    let is_dark = light < settings.shed * f64::from(sums.internodes[node]);
+    // A seedling that did not sprout has none.
+    let is_dark = light < least * f64::from(sums.internodes[node].max(1));
     nodes.dark_years[node] = if is_dark { nodes.dark_years[node].saturating_add(1) } else { 0 };
     is_dark && u32::from(nodes.dark_years[node]) >= settings.shed_patience
 }
@@ -116,6 +132,35 @@ mod tests {
         assert_eq!(goes(&settings, &[0.31; 9]), None);
         assert_eq!(goes(&SelfOrganizing { shed_patience: 1, ..settings.clone() }, &[0.1; 9]), Some(4));
         assert_eq!(goes(&SelfOrganizing { shed: 0.0, ..settings }, &[0.0; 9]), None);
+    }
+
+    #[test]
+    fn a_dark_tree_dies_in_a_stand_and_stays_where_it_is_alone() {
+        let settings =
+            SelfOrganizing { shed: 0.3, shed_grace: 2, shed_patience: 2, ..SelfOrganizing::default() };
+        // Each foot bears a node; the second tree gets these parts of full light.
+        let dies = |trees: u32, light: f64| {
+            let mut growth = Growth::new(&settings);
+            (0..trees).for_each(|i| growth.plant(DVec3::X * f64::from(i), DVec3::X, Key::new(1)));
+            let mut nodes = growth.nodes;
+            for parent in 0..trees {
+                let (place, direction, side, key) = (DVec3::Y, DVec3::Y, DVec3::X, Key::new(2));
+                let (birth, order, flags, buds) = (PARTS, 0, 0, 0);
+                nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
+            }
+            let last = trees as usize - 1;
+            let mut onward = vec![u64::from(FULL_LIGHT); nodes.len()];
+            onward[last] = (light * f64::from(FULL_LIGHT)) as u64;
+            let lateral = vec![0; nodes.len()];
+            let sums = Sums { onward, lateral, internodes: vec![1; nodes.len()], ..Sums::default() };
+            (1..9).find(|&year| shed(&mut nodes, &sums, &settings, year, 0.0) > 0).inspect(|_| {
+                let shed: Vec<usize> = (0..nodes.len()).filter(|&node| nodes.is(node, SHED)).collect();
+                assert_eq!(shed, [last, nodes.len() - 1], "the foot and what it bears");
+            })
+        };
+        // Grace counts from year 0, that of the foot; then two dark years.
+        assert_eq!([dies(2, 0.0), dies(2, 0.14), dies(2, 0.16)], [Some(1), Some(4), None]);
+        assert_eq!([dies(1, 0.0), dies(1, 0.14)], [None, None]);
     }
 
     #[test]

@@ -62,8 +62,8 @@ pub enum ForestError {
     },
     /// A kind that grows by itself alone.
     #[error(
-        "'{kind}' does not compete: {why}; take a tree that fills a crown, like 'fir' or 'oak', or leave out \
-         compete"
+        "'{kind}' does not compete: {why}; take a tree that fills a crown, like 'fir', or that grows by light, \
+         like 'oak', or leave out compete"
     )]
     Loner {
         /// Its preset.
@@ -112,10 +112,16 @@ pub enum Loner {
     /// It grows by rewriting.
     #[error("it grows by an L-system, which knows of no space")]
     LSystem,
+    /// It is drawn by its parameters.
+    #[error("it grows by Weber and Penn's parameters, which know of no space")]
+    Drawn,
     /// It fills what somebody else has drawn or measured.
     #[error("it grows in a mesh or a scan, which stands where its file has it")]
     Given,
     /// It has several stems already, or parts that stand where their file has them.
     #[error("its crown is put together of trees or of meshes without a place")]
     Parts,
+    /// It is a stand already.
+    #[error("it is several trees already, by its [[self-organizing.tree]]")]
+    Stand,
 }

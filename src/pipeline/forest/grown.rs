@@ -107,7 +107,8 @@ impl GrownForest {
                 share_tiles(&first.levels, &mut dressed);
             }
             held += bytes(&dressed);
-            let grown = GrownTree { name: tree.name.clone(), levels: dressed, notes: wood.notes };
+            let notes = tree.notes.iter().cloned().chain(wood.notes).collect();
+            let grown = GrownTree { name: tree.name.clone(), levels: dressed, notes };
             tell(&grown);
             trees.push(grown);
         }

@@ -15,13 +15,13 @@ pub struct Layout {
     pub trees: Option<u64>,
     /// How many trees of each kind are grown.
     pub distinct: u64,
-    /// Sizes lie within this share below and above.
+    /// Sizes lie within this share below and above, but for trees that compete for light.
     pub size_spread: f64,
     /// The most triangles that a grown tree has in its finest level, unless its preset has a budget; 0: all
     /// that there are.
     pub triangles: u64,
-    /// Whether the trees grow together, each into the space that the others leave: all of one kind, which
-    /// must fill a crown. None is a copy of another then.
+    /// Whether the trees grow together, each into the space or the light that the others leave: all of one kind, which
+    /// must fill a crown or grow by light. None is a copy of another then.
     pub compete: bool,
     /// How places are chosen.
     pub places: Places,
@@ -140,7 +140,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "compete",
             Kind::Switch,
             "",
-            "whether the trees grow together, each into the space that the others leave: all of one kind, none a copy",
+            "whether the trees grow together, each into the space or the light that the others leave: all of one kind, none a copy",
         ),
         read: |layout| Value::Switch(layout.compete),
         write: |layout, value| {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
-use super::compete;
+use super::compete::Stand;
 use super::error::ForestError;
 use super::planned::{Plan, PlannedTree};
 use super::{Forest, ForestKind, Places, poisson_disc};
@@ -101,7 +101,7 @@ impl Forest {
             let before =
                 self.kinds[..index].iter().filter(|earlier| kind_name(&earlier.recipe) == name).count();
             let name = if before == 0 { name } else { format!("{name} {}", before + 1) };
-            trees.push(PlannedTree { name, kind: index, recipe, stems: 1 });
+            trees.push(PlannedTree { name, kind: index, recipe, stems: 1, notes: Vec::new() });
         }
         let place = |(plant, kind): (usize, &ForestKind)| Place {
             plant,
@@ -122,8 +122,8 @@ impl Forest {
         let (Some(tree), Some(&first)) = (trees.first(), places.first()) else {
             return Err(ForestError::Empty);
         };
-        let place = Place { plant: 0, turn_rad: 0.0, ..first };
-        Ok(Plan { trees: vec![compete::together(tree, &places)?], places: vec![place] })
+        let Stand { tree, scale } = Stand::new(tree, &places, &self.kinds[0], &self.layout)?;
+        Ok(Plan { trees: vec![tree], places: vec![Place { plant: 0, turn_rad: 0.0, scale, ..first }] })
     }
 
     /// How many trees of each kind: by largest remainders, so that the shares are kept as exactly as
@@ -178,6 +178,7 @@ impl Forest {
                     kind: index,
                     recipe,
                     stems: 1,
+                    notes: Vec::new(),
                 });
             }
         }
@@ -216,7 +217,8 @@ fn drop_unused(trees: &mut Vec<PlannedTree>, places: &mut [Place]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::builtin;
+    use crate::forest::Layout;
+    use crate::preset::{MOST_NODES, Preset, SelfOrganizing, builtin};
     use linden_base::monitor::Quiet;
 
     fn forest(settings: &[(&str, &str)]) -> Forest {
@@ -256,8 +258,8 @@ mod tests {
     #[test]
     fn trees_that_compete_are_one_growth_with_a_root_at_each_place() {
         let kind = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
-        // A plain crown, and one that is put together.
-        for id in ["dressed-simple", "drawn-oak"] {
+        // A plain crown, one that is put together, and a tree that grows by light.
+        for id in ["dressed-simple", "drawn-oak", "apple"] {
             let mut forest = Forest::of(vec![kind(id)]);
             for (knob, value) in [("area", "40"), ("spacing", "8"), ("trees", "5"), ("distinct", "1")] {
                 forest.layout.set(knob, value).unwrap();
@@ -293,8 +295,40 @@ mod tests {
         assert!(refused(&["fir", "oak"], &[]).contains("2 kinds"));
         assert!(refused(&["abop-a"], &[]).contains("'abop-a' does not compete: it grows by an L-system"));
         assert!(refused(&["grove"], &[]).contains("put together of trees"));
+        assert!(refused(&["wp-black-oak"], &[]).contains("by Weber and Penn's parameters"));
         let said = refused(&["fir"], &[("area", "100"), ("spacing", "2")]);
         assert!(said.contains("more than the 257") && said.contains("trees=257"), "{said}");
+        let said = refused(&["oak"], &[("area", "400"), ("spacing", "2")]);
+        assert!(said.contains("more than the 10000") && said.contains("trees=10000"), "{said}");
+        let stand = "id = \"stand\"\n[self-organizing]\n[[self-organizing.tree]]\nat = [3, 0, 0]\n";
+        let mut forest = Forest::of(vec![Recipe::new(Preset::from_toml(stand).unwrap())]);
+        forest.layout.compete = true;
+        let said = forest.plan(&Quiet).unwrap_err().to_string();
+        assert!(said.contains("several trees already") && said.contains("'oak'"), "{said}");
+    }
+
+    #[test]
+    fn trees_that_compete_for_light_grow_by_the_same_rules() {
+        let mut forest = Forest::of(vec![Recipe::new(builtin("oak").unwrap().load().unwrap())]);
+        forest.kinds[0].size = 2.0;
+        for (knob, value) in [("area", "30"), ("spacing", "4"), ("trees", "12"), ("size_spread", "0.5")] {
+            forest.layout.set(knob, value).unwrap();
+        }
+        let apart = forest.plan(&Quiet).unwrap();
+        forest.layout.compete = true;
+        let plan = forest.plan(&Quiet).unwrap();
+        let ([tree], [place]) = (plan.trees.as_slice(), plan.places.as_slice()) else { panic!("one") };
+        assert_eq!((tree.stems, place.scale, place.turn_rad), (12, 2.0, 0.0), "the size of the kind is kept");
+        let rules = tree.recipe.preset.settings::<SelfOrganizing>().unwrap();
+        let foot = |&[x, z]: &[f64; 2]| place.position + DVec3::new(x, 0.0, z).as_vec3() * place.scale;
+        let feet: Vec<Vec3> = rules.stand.iter().map(foot).chain([place.position]).collect();
+        for wanted in apart.places {
+            assert!(feet.iter().any(|foot| foot.distance(wanted.position) < 1e-4), "{}", wanted.position);
+        }
+        assert_eq!(rules.max_nodes, MOST_NODES, "as many nodes for each, up to what the knob takes");
+        assert!(matches!(tree.notes.as_slice(), [note] if note.contains("size_spread")), "{:?}", tree.notes);
+        forest.layout.size_spread = Layout::default().size_spread;
+        assert!(forest.plan(&Quiet).unwrap().trees[0].notes.is_empty(), "nobody asked for it");
     }
 
     #[test]

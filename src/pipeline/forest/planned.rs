@@ -24,4 +24,6 @@ pub struct PlannedTree {
     pub recipe: Recipe,
     /// How many stems it has: more than one where trees compete.
     pub stems: u64,
+    /// What the user should know about how it was planned.
+    pub notes: Vec<String>,
 }

@@ -21,6 +21,8 @@ mod parameters;
 mod part_tests;
 mod read;
 mod spreads;
+#[cfg(test)]
+mod stand_tests;
 mod tags;
 mod write;
 
@@ -59,7 +61,7 @@ pub use linden_plant::settings::{
 };
 pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
-pub use linden_self_organizing::SelfOrganizing;
+pub use linden_self_organizing::{MOST_NODES, MOST_TREES, SelfOrganizing};
 pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
