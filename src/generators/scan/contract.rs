@@ -41,13 +41,18 @@ const LEAF_METRE: f64 = 3.0;
 /// Where a way came from is told so many links back.
 const BACK: usize = 10;
 
+/// Points between two looks at the monitor.
+const POINTS_PER_CHECK: usize = 1024;
+
 /// Points and the links along which distances are measured.
 pub(super) struct Graph {
     pub points: Vec<DVec3>,
     /// Links longer than this are bridges.
     pub reach: f64,
-    /// Both directions of each link: (from, to), sorted.
-    links: Vec<(u32, u32)>,
+    /// Where each point's links go, point after point, in rising order, each once.
+    links: Vec<u32>,
+    /// Where the links of each point begin, and behind those of the last.
+    starts: Vec<usize>,
     /// Points left out as strays.
     pub strays: usize,
 }
@@ -139,9 +144,8 @@ impl Graph {
                 }
             }
         }
-        links.sort_unstable();
-        links.dedup();
-        Ok(Self { points, reach, links, strays })
+        let (links, starts) = by_point(&links, points.len());
+        Ok(Self { points, reach, links, starts, strays })
     }
 
     fn distance(&self, a: u32, b: u32) -> f64 {
@@ -151,8 +155,10 @@ impl Graph {
     /// For each point what most of it and those linked to it are; what stands even stays.
     pub fn of_most(&self, is_so: &[bool]) -> Vec<bool> {
         let mut votes: Vec<i32> = is_so.iter().map(|&so| if so { 1 } else { -1 }).collect();
-        for &(from, to) in &self.links {
-            votes[from as usize] += if is_so[to as usize] { 1 } else { -1 };
+        for (from, votes) in (0..).zip(&mut votes) {
+            for &to in self.links_of(from) {
+                *votes += if is_so[to as usize] { 1 } else { -1 };
+            }
         }
         votes.iter().zip(is_so).map(|(&votes, &so)| if votes == 0 { so } else { votes > 0 }).collect()
     }
@@ -163,10 +169,15 @@ impl Graph {
         lengths.filter(|&length| length > self.reach).collect()
     }
 
-    fn links_of(&self, from: u32) -> &[(u32, u32)] {
-        let start = self.links.partition_point(|link| link.0 < from);
-        let end = self.links.partition_point(|link| link.0 <= from);
-        &self.links[start..end]
+    /// Both directions of each link: (from, to), sorted.
+    fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
+        let froms = 0..self.points.len() as u32;
+        froms.flat_map(|from| self.links_of(from).iter().map(move |&to| (from, to)))
+    }
+
+    fn links_of(&self, from: u32) -> &[u32] {
+        let from = from as usize;
+        &self.links[self.starts[from]..self.starts[from + 1]]
     }
 
     /// The shortest ways from the places where `start` gives a length to begin with; a gap counts by the square of its length.
@@ -216,7 +227,7 @@ impl Graph {
                 (self.points[at as usize] - self.points[back as usize]).normalize_or_zero()
             });
             let per_metre = cost_of.per_metre[group[at as usize] as usize];
-            for &(_, to) in self.links_of(at) {
+            for &to in self.links_of(at) {
                 let step = self.distance(at, to);
                 let bend = came.map_or(1.0, |came| {
                     let goes = (self.points[to as usize] - self.points[at as usize]).normalize_or_zero();
@@ -245,7 +256,6 @@ fn links(
     reach: f64,
     monitor: &dyn Monitor,
 ) -> Result<Vec<(u32, u32)>, Cancelled> {
-    const POINTS_PER_CHECK: usize = 1024;
     let of_some = |(part, points): (usize, &[DVec3])| {
         monitor.check()?;
         let (mut links, mut found) = (Vec::new(), Vec::new());
@@ -262,6 +272,37 @@ fn links(
     Ok(parts.concat())
 }
 
+/// Links (from, to) point by point: where those of each go, in rising order and each once, and where they begin.
+fn by_point(links: &[(u32, u32)], points: usize) -> (Vec<u32>, Vec<usize>) {
+    let mut ends = vec![0; points + 1];
+    for &(from, _) in links {
+        ends[from as usize + 1] += 1;
+    }
+    for point in 0..points {
+        ends[point + 1] += ends[point];
+    }
+    let bounds = ends.clone();
+    let mut sorted = vec![0; links.len()];
+    for &(from, to) in links {
+        sorted[ends[from as usize]] = to;
+        ends[from as usize] += 1;
+    }
+    let (mut kept, mut starts) = (0, vec![0]);
+    for bound in bounds.windows(2) {
+        let (start, end) = (kept, bound[1]);
+        sorted[bound[0]..end].sort_unstable();
+        for at in bound[0]..end {
+            if kept == start || sorted[at] != sorted[kept - 1] {
+                sorted[kept] = sorted[at];
+                kept += 1;
+            }
+        }
+        starts.push(kept);
+    }
+    sorted.truncate(kept);
+    (sorted, starts)
+}
+
 /// Leaves out points that have no two others nearby: dust, birds, scattered pulses.
 fn without_strays(
     points: Vec<DVec3>,
@@ -269,18 +310,19 @@ fn without_strays(
     monitor: &dyn Monitor,
 ) -> Result<(Vec<DVec3>, usize), Cancelled> {
     let tree = Neighbours::new(&points, monitor)?;
-    let mut found = Vec::new();
     let before = points.len();
-    let mut kept = Vec::with_capacity(before);
-    for (i, &p) in points.iter().enumerate() {
-        if i % 1024 == 0 {
-            monitor.check()?;
-        }
-        tree.nearest(p, 3, 2.0 * reach, &mut found);
-        if found.len() >= 3 {
-            kept.push(p);
-        }
-    }
+    let of_some = |points: &[DVec3]| {
+        monitor.check()?;
+        let mut found = Vec::new();
+        let has_others = |p: &DVec3| {
+            tree.nearest(*p, 3, 2.0 * reach, &mut found);
+            found.len() >= 3
+        };
+        Ok(points.iter().copied().filter(has_others).collect())
+    };
+    let parts: Vec<Vec<DVec3>> =
+        points.par_chunks(POINTS_PER_CHECK).map(of_some).collect::<Result<_, Cancelled>>()?;
+    let kept = parts.concat();
     // A cloud so thin that all of it looks stray is meant to be so; keep it.
     if kept.len() * 2 < before {
         return Ok((points, 0));
@@ -433,7 +475,7 @@ impl Sections {
         let on_trunk: Vec<Option<(usize, usize)>> = graph.points.par_iter().map(|&p| place(p)).collect();
         let level = |i: u32| (ways.length[i as usize] / width) as u64;
         let mut pieces = Pieces::new(graph.points.len());
-        for &(a, b) in &graph.links {
+        for (a, b) in graph.pairs() {
             let is_off = on_trunk[a as usize].is_none() && on_trunk[b as usize].is_none();
             let is_same = leaves.is_empty() || leaves[a as usize] == leaves[b as usize];
             if is_off && is_same && level(a) == level(b) && graph.distance(a, b) <= graph.reach {
@@ -488,7 +530,7 @@ impl Sections {
         let sizes = members.iter().enumerate().map(size).collect();
         // Points beyond a section, and no section that hangs on it.
         let mut shards = vec![false; members.len()];
-        for &(a, b) in &graph.links {
+        for (a, b) in graph.pairs() {
             if level(a) < level(b) && graph.distance(a, b) <= graph.reach {
                 shards[section_of[pieces.of(a) as usize] as usize] = true;
             }

@@ -206,6 +206,21 @@ mod tests {
     }
 
     #[test]
+    fn where_no_card_can_be_that_is_said() {
+        let notes = |knobs: &[(&str, &str)]| {
+            let subject = Subject::builtin("wild-cherry", &[&SMALL[..], knobs].concat());
+            let grown = subject.grow();
+            subject.with(|specimen| levels(specimen, body(&grown), &Quiet)).unwrap().notes
+        };
+        let wanted = [("triangles", "6000"), ("lod_form", "branch-card")];
+        let said = |notes: &[String]| notes.iter().filter(|note| note.starts_with("lod_form: level 1 ")).count();
+        assert_eq!(said(&notes(&wanted)), 0);
+        let bare = [("leaf_keep", "0"), ("fruit.leaf_keep", "0"), ("blossom.leaf_keep", "0")];
+        assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 1);
+        assert_eq!(said(&notes(&[&wanted[..1], &bare].concat())), 0, "nobody asked for one");
+    }
+
+    #[test]
     fn forms_that_have_no_picture_are_refused() {
         for (leaf, form, said) in [
             ("fan", "card", "give it fan, branch-card"),
