@@ -107,7 +107,7 @@ use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Branching, NO_PARENT};
 pub use node_set::NodeSet;
-pub use obstacle::{Meet, Obstacle};
+pub use obstacle::{Meet, Obstacle, fan};
 pub use rule::{Attraction, GrowthHabit, GrowthRule};
 use search::Search;
 pub use settings::{GrowthSettings, Origin, UpAxis};

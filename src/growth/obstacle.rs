@@ -64,8 +64,8 @@ pub(super) fn turned(
     fan(direction).map(place).find(|&to| obstacles.iter().all(|some| is_free(some, from, to)))
 }
 
-/// Directions away from `direction`, the least tilted first.
-fn fan(direction: DVec3) -> impl Iterator<Item = DVec3> {
+/// Directions away from the unit `direction`, the least tilted first, and of those the upper ones.
+pub fn fan(direction: DVec3) -> impl Iterator<Item = DVec3> {
     let side = if direction.y.abs() > STEEP { DVec3::X } else { DVec3::Y };
     let upper = (side - direction * direction.dot(side)).normalize();
     let across = direction.cross(upper);

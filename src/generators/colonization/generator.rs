@@ -17,11 +17,11 @@ use linden_skeleton::publication::{Publication, SPACE_COLONIZATION};
 use crate::ColonizationError;
 use crate::crown::envelope::Envelope;
 use crate::crown::skin::Skin;
+use crate::crown::solid::{all_dimensions, means_mesh};
 use crate::crown::{self, compound::dashed};
-use crate::part::{self, CrownPart, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Role, Solid};
+use crate::part::{self, CrownPart, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Role};
 use crate::sample::Smaller;
 use crate::settings::{Colonization, Space};
-use crate::shape_knobs::means_mesh;
 use crate::standing::Standing;
 
 /// Space colonization.
@@ -53,13 +53,7 @@ const KEYS: &[TableKey] = &[
 ];
 
 fn part_knobs() -> Vec<Knob> {
-    let mut knobs: Vec<Knob> = PART_KNOBS.iter().map(|row| row.field.knob).chain([PART_CROWN]).collect();
-    for dimension in crown::SHAPES.iter().flat_map(|shape| shape.knobs) {
-        if knobs.iter().all(|knob| knob.name != dimension.knob.name) {
-            knobs.push(dimension.knob);
-        }
-    }
-    knobs
+    PART_KNOBS.iter().map(|row| row.field.knob).chain([PART_CROWN]).chain(all_dimensions()).collect()
 }
 
 impl Generator for SpaceColonization {
@@ -169,13 +163,7 @@ impl Settings for Colonization {
             Space::Shape { shape: id, .. } => Space::Shape { shape: id.clone(), dimensions: shape(id) },
             file @ Space::Envelope { .. } => file.clone(),
         };
-        let plain = |part: &CrownPart| {
-            let solid = match &part.solid {
-                Solid::Shape { shape: id, .. } => Solid::Shape { shape: id.clone(), dimensions: shape(id) },
-                file @ Solid::Mesh { .. } => file.clone(),
-            };
-            CrownPart::of(part.role, solid)
-        };
+        let plain = |part: &CrownPart| CrownPart::of(part.role, part.solid.plain());
         let parts = self.parts.iter().map(plain).collect();
         Box::new(Self { parts, ..Self::of(space) })
     }
@@ -189,10 +177,7 @@ impl Settings for Colonization {
             Space::Shape { .. } => None,
             Space::Envelope { file } => Some(file),
         };
-        let parts = self.parts.iter_mut().filter_map(|part| match &mut part.solid {
-            Solid::Shape { .. } => None,
-            Solid::Mesh { file } => Some(file),
-        });
+        let parts = self.parts.iter_mut().filter_map(|part| part.solid.file_mut());
         for file in space.into_iter().chain(parts) {
             if let Some(name) = renamed(file) {
                 *file = name;

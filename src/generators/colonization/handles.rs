@@ -10,7 +10,7 @@ use linden_growth::site::crown_base_m;
 use crate::ColonizationError;
 use crate::crown::{self, Shape};
 use crate::settings::{Colonization, Space};
-use crate::shape_knobs::dimensions_of;
+use crate::crown::solid::dimensions_of;
 use crate::standing::Standing;
 
 /// Handles as fine as this share of the crown's size: no hand is steadier, and knobs stay short.

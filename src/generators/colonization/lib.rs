@@ -26,7 +26,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-pub mod crown;
 mod error;
 mod generator;
 mod handles;
@@ -38,6 +37,8 @@ pub mod scatter;
 mod settings;
 mod shape_knobs;
 mod standing;
+
+pub use linden_crown as crown;
 
 pub use error::ColonizationError;
 pub use generator::GENERATOR;

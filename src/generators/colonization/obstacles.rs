@@ -34,7 +34,7 @@ pub(crate) struct Shade {
 
 /// A crown as growth has it.
 pub(crate) fn inside(crown: Arc<dyn Crown>) -> Arc<dyn Inside> {
-    Arc::new(shells::Solid(crown))
+    Arc::new(shells::Filled(crown))
 }
 
 /// Takes away the points in obstacles and, each by its own chance, those in shade; point `i` by

@@ -3,13 +3,13 @@
 //! Parts are no flat knobs, but they are read, checked and written by a table of the same kind: a new
 //! key is a field and a row of [`PART_KNOBS`].
 
-use crate::crown::{self, Shape};
 use linden_base::document::{Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{Field, FieldValue, Kind, Knob, Value, excerpt, real, real_or_auto};
 use linden_base::{field, words};
 use linden_growth::Meet;
 
-use crate::shape_knobs::{SHAPE_IDS, dimensions_of, means_mesh};
+use crate::crown::solid::SHAPE_IDS;
+pub use crate::crown::solid::Solid;
 
 words! {
     /// What a part of a crown does.
@@ -49,23 +49,6 @@ pub struct CrownPart {
     pub meet: Meet,
     /// For shade: how many of the points in it are taken away, of 1.
     pub share: f64,
-}
-
-/// The solid of a part.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Solid {
-    /// One of [`crate::crown::SHAPES`], with the dimensions that were set.
-    Shape {
-        /// Its id.
-        shape: String,
-        /// What was set of its knobs.
-        dimensions: Vec<(&'static str, Value)>,
-    },
-    /// The inside of a mesh.
-    Mesh {
-        /// The file, relative to the preset's.
-        file: String,
-    },
 }
 
 /// More parts would make every question for a place slow.
@@ -172,19 +155,12 @@ impl CrownPart {
 
     /// The mesh that is needed beside the preset.
     pub fn file(&self) -> Option<&str> {
-        match &self.solid {
-            Solid::Shape { .. } => None,
-            Solid::Mesh { file } => Some(file),
-        }
+        self.solid.file()
     }
 
     /// Role and solid, as messages have them: `subtract sphere`, `obstacle 'rock.obj'`.
     pub fn describe(&self) -> String {
-        let role = self.role.to_value();
-        match &self.solid {
-            Solid::Shape { shape, .. } => format!("{role} {}", excerpt(shape)),
-            Solid::Mesh { file } => format!("{role} '{}'", excerpt(file)),
-        }
+        format!("{} {}", self.role.to_value(), self.solid.describe())
     }
 
     /// The dimensions and keys that this part has, with their values, in the order of a document.
@@ -195,10 +171,10 @@ impl CrownPart {
                 all.push((row.field.knob, (row.field.read)(self)));
             }
             if row.field.knob.name == "role"
-                && let Solid::Shape { shape, dimensions } = &self.solid
+                && let Solid::Shape { shape, .. } = &self.solid
             {
                 all.push((PART_CROWN, Value::Word(shape.clone())));
-                all.extend(dimensions_of(shape, dimensions));
+                all.extend(self.solid.dimensions());
             }
         }
         all
@@ -235,35 +211,14 @@ fn read_one(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Resul
     })?;
     let role = role.node.value("role", &Kind::Choice(Role::WORDS))?;
     let role = Role::from_value(role).unwrap_or(Role::Add);
-    let (solid, shape) = match (find("crown"), find("mesh")) {
-        (Some(entry), None) => {
-            let id = entry.node.value("crown", &PART_CROWN.kind).map_err(|fault| {
-                let word = entry.node.text("crown").unwrap_or_default();
-                let hint = if means_mesh(word) { MESH_INSTEAD } else { "" };
-                Fault { message: fault.message + hint, ..fault }
-            })?;
-            let id = id.to_string();
-            let shape = crown::shape(&id).map_err(|error| Fault::new(entry.place, error.to_string()))?;
-            (Solid::Shape { shape: id, dimensions: Vec::new() }, Some(shape))
-        }
-        (None, Some(entry)) => (Solid::Mesh { file: entry.node.text("mesh")?.to_owned() }, None),
-        (None, None) => {
-            let message = format!("part {number} has neither 'crown' nor 'mesh': say what it is");
-            return Err(Fault::new(place, message));
-        }
-        (Some(_), Some(second)) => {
-            let message = format!("part {number} has both 'crown' and 'mesh'; keep one");
-            return Err(Fault::new(second.place, message));
-        }
-    };
+    let solid = Solid::read(entries, place, ("part", number), MESH_INSTEAD)?;
+    let is_shape = solid.file().is_none();
     let mut part = CrownPart::of(role, solid);
     for entry in entries.iter().filter(|entry| !["crown", "mesh"].contains(&entry.key.as_str())) {
-        turn(&mut part, shape, number, entry)?;
+        turn(&mut part, number, entry)?;
     }
-    if let (Solid::Shape { dimensions, .. }, Some(shape)) = (&mut part.solid, shape) {
-        *dimensions = shape.complete(dimensions);
-    }
-    if part.role == Role::Tree && part.root.is_none() && part.at.is_none() && shape.is_some() {
+    part.solid = part.solid.complete();
+    if part.role == Role::Tree && part.root.is_none() && part.at.is_none() && is_shape {
         let message = format!("part {number} is a tree without a place: give it a 'root' like [6, 0, 0]");
         return Err(Fault::new(place, message));
     }
@@ -271,24 +226,15 @@ fn read_one(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Resul
 }
 
 /// Sets the key or dimension that an entry names.
-fn turn(
-    part: &mut CrownPart,
-    shape: Option<&'static Shape>,
-    number: usize,
-    entry: &Entry,
-) -> Result<(), Fault> {
-    let shape_knobs = shape.map_or(&[][..], |shape| shape.knobs);
-    if let Some(dimension) = shape_knobs.iter().find(|dimension| dimension.knob.name == entry.key) {
-        let value = entry.node.value(&entry.key, &dimension.knob.kind)?;
-        if let Solid::Shape { dimensions, .. } = &mut part.solid {
-            dimensions.push((dimension.knob.name, value));
-        }
+fn turn(part: &mut CrownPart, number: usize, entry: &Entry) -> Result<(), Fault> {
+    if part.solid.set(entry)? {
         return Ok(());
     }
     let Some(row) = PART_KNOBS.iter().find(|row| row.field.knob.name == entry.key) else {
         let fitting = PART_KNOBS.iter().filter(|row| row.fits(part.role)).map(|row| row.field.knob.name);
         let known = ["crown", "mesh"].into_iter().chain(fitting);
-        let known: Vec<&str> = known.chain(shape_knobs.iter().map(|dimension| dimension.knob.name)).collect();
+        let dimensions = part.solid.dimensions();
+        let known: Vec<&str> = known.chain(dimensions.iter().map(|(knob, _)| knob.name)).collect();
         return Err(LIST.unknown(number, entry, &known));
     };
     let key = excerpt(&entry.key);

@@ -6,7 +6,7 @@ use bytemuck::allocation::try_zeroed_vec;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::crown::Crown;
+use crate::crown::Crown;
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;

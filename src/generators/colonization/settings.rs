@@ -6,9 +6,10 @@ use linden_base::field;
 use linden_base::knob::{Field, Knob, Value, integer, real, real_or_auto, set, values};
 use linden_growth::GrowthSettings;
 
+use crate::crown::solid::dimensions_of;
 use crate::crown::{self, SHAPES, Shape};
 use crate::part::CrownPart;
-use crate::shape_knobs::{CROWN, dimensions_of};
+use crate::shape_knobs::CROWN;
 
 /// Where the attraction points are, and how the tree reaches for them.
 #[derive(Clone, Debug, PartialEq)]

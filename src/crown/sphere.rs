@@ -63,7 +63,7 @@ impl Crown for Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
+    use crate::tests::assert_uniform;
 
     #[test]
     fn it_rests_on_the_ground() {

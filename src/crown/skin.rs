@@ -64,7 +64,8 @@ impl Skin {
     }
 
     /// Each corner somewhere else.
-    pub(crate) fn moved(mut self, to: impl Fn(Vec3) -> Vec3) -> Self {
+    #[must_use]
+    pub fn moved(mut self, to: impl Fn(Vec3) -> Vec3) -> Self {
         for place in &mut self.positions {
             *place = to(*place);
         }
@@ -76,7 +77,7 @@ impl Skin {
 mod tests {
     use std::collections::BTreeMap;
 
-    use crate::crown::SHAPES;
+    use crate::SHAPES;
 
     #[test]
     fn the_skin_of_every_shape_is_closed_and_encloses_its_volume() {

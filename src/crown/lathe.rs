@@ -250,7 +250,7 @@ impl Crown for Lathe {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::{around, units};
+    use crate::{around, units};
 
     /// Winding number of the closed profile by summed angles: no slabs, no order of sides.
     fn winds_by_angles(profile: &[[f64; 2]], height: f64, radius: f64) -> bool {

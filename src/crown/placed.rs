@@ -71,8 +71,8 @@ impl Crown for PlacedCrown {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::{assert_uniform, volume_by_probes};
-    use crate::crown::{cylinder, sphere};
+    use crate::tests::{assert_uniform, volume_by_probes};
+    use crate::{cylinder, sphere};
     use linden_base::knob::Value;
 
     #[test]

@@ -196,7 +196,7 @@ impl Crown for WeberPenn {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::{assert_uniform, volume_by_probes};
+    use crate::tests::{assert_uniform, volume_by_probes};
 
     fn of(kind: &str) -> Box<dyn Crown> {
         SHAPE.of(&[("profile_kind", Value::Word(kind.to_owned()))]).unwrap()

@@ -157,9 +157,9 @@ impl Inside for Shell {
 }
 
 /// A crown of any kind, for growth.
-pub(crate) struct Solid(pub std::sync::Arc<dyn Crown>);
+pub struct Filled(pub std::sync::Arc<dyn Crown>);
 
-impl Inside for Solid {
+impl Inside for Filled {
     fn holds(&self, p: DVec3) -> bool {
         self.0.contains(p)
     }

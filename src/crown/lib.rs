@@ -13,6 +13,7 @@ pub mod bezier;
 pub mod clumps;
 pub mod compound;
 pub mod cone;
+pub mod cuboid;
 pub mod cylinder;
 pub mod dome;
 pub mod ellipsoid;
@@ -25,6 +26,7 @@ pub mod revolution;
 mod section;
 pub mod shells;
 pub mod skin;
+pub mod solid;
 pub mod sphere;
 mod topology;
 pub mod uneven;
@@ -180,7 +182,7 @@ impl Shape {
     /// Builds the solid from what was set; the rest takes its default.
     ///
     /// ```
-    /// use linden_colonization::crown;
+    /// use linden_crown;
     /// use linden_base::knob::Value;
     /// let cone = crown::shape("cone")?.of(&[("crown_height", Value::Real(10.0))])?;
     /// assert!(cone.contains(glam::DVec3::new(0.0, 9.9, 0.0)));
@@ -195,7 +197,7 @@ impl Shape {
 
     /// Every dimension of the shape in the order of its knobs: what was set and fits, else its default.
     /// Presets hold them so, whichever of them a document names and in what order.
-    pub(crate) fn complete(&self, set: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
+    pub fn complete(&self, set: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
         let value = |dimension: &ShapeKnob| {
             let fits = |(name, value): &&(&str, Value)| {
                 *name == dimension.knob.name && dimension.knob.kind.check(value).is_ok()
@@ -278,7 +280,7 @@ fn wrong_kind(knob: &'static str, found: Option<&Value>, expected: &str) -> Crow
 }
 
 /// No crown is taller or wider: the tallest trees have 116 m.
-pub(crate) const SIZE_LIMIT_M: f64 = 200.0;
+pub const SIZE_LIMIT_M: f64 = 200.0;
 
 /// Crowns from a bonsai's to the tallest tree's.
 const SIZE: Kind = Kind::Real { min: 0.01, max: SIZE_LIMIT_M, auto: false, names: &[] };

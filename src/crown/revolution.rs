@@ -136,7 +136,7 @@ fn monotone_slopes(knots: &[f64], values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::{assert_uniform, volume_by_probes};
+    use crate::tests::{assert_uniform, volume_by_probes};
     use glam::DVec3;
     use linden_base::random::Key;
 

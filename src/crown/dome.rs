@@ -65,7 +65,7 @@ impl Crown for Dome {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
+    use crate::tests::assert_uniform;
 
     #[test]
     fn it_is_half_a_ball_on_the_ground() {

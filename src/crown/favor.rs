@@ -236,8 +236,8 @@ fn nearest_squares(values: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::envelope::Envelope;
-    use crate::crown::shape;
+    use crate::envelope::Envelope;
+    use crate::shape;
     use linden_base::input::TriangleMesh;
     use linden_base::knob::Value;
     use linden_base::monitor::Quiet;

@@ -78,7 +78,7 @@ impl Crown for Ellipsoid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
+    use crate::tests::assert_uniform;
 
     #[test]
     fn its_axes_are_height_and_twice_the_radius() {

@@ -78,7 +78,7 @@ impl Crown for Cone {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
+    use crate::tests::assert_uniform;
 
     #[test]
     fn sides_are_straight_and_the_apex_is_a_point() {

@@ -66,7 +66,7 @@ impl Crown for Cylinder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
+    use crate::tests::assert_uniform;
 
     #[test]
     fn ends_are_flat_and_the_side_is_upright() {

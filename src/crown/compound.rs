@@ -35,7 +35,6 @@ pub struct Piece {
 
 /// Why pieces make no solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
 pub enum CompoundError {
     /// Next to nothing is left.
     #[error("nothing to speak of is left of the crown once piece {piece} is subtracted")]
@@ -236,9 +235,9 @@ fn dashes(line: &[Vec3]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::placed::PlacedCrown;
-    use crate::crown::tests::{assert_uniform, volume_by_probes};
-    use crate::crown::{shape, units};
+    use crate::placed::PlacedCrown;
+    use crate::tests::{assert_uniform, volume_by_probes};
+    use crate::{shape, units};
     use linden_base::knob::Value;
     use linden_base::monitor::Quiet;
 

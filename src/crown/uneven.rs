@@ -276,7 +276,7 @@ impl Crown for Uneven {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::shape;
+    use crate::shape;
     use linden_base::knob::Value;
     use linden_base::monitor::Quiet;
 

@@ -227,8 +227,8 @@ impl Crown for Revolved {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::tests::assert_uniform;
-    use crate::crown::units;
+    use crate::tests::assert_uniform;
+    use crate::units;
 
     /// Winding number of the finely sampled closed profile by summed angles: no roots, no pieces.
     fn winds_by_angles(pairs: [[f64; 2]; 4], height: f64, radius: f64) -> bool {
