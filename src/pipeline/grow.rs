@@ -649,6 +649,26 @@ mod tests {
     }
 
     #[test]
+    fn a_wall_is_shown_where_a_tree_that_grows_by_light_keeps_out_of_it() {
+        let text = "id = \"walled\"\n[self-organizing]\nyears = 24\nsag = 0.4\nlight = \"sky\"\nshade = 0.3\n\
+                    [[self-organizing.obstacle]]\nbox = [0.3, 6, 9]\nat = [0.9, 0, 0]\nturn = 20\n";
+        for refine in ["refine = []", "refine = [\"relocate\", \"smooth\", \"subdivide\"]\ngnarl = 1"] {
+            let preset = Preset::from_toml(&format!("{text}[wood]\n{refine}\n")).unwrap();
+            let recipe = Recipe::new(preset);
+            let grown = grow(&recipe, &Quiet).unwrap();
+            let all = obstructions(&recipe, &Quiet).unwrap();
+            let [wall] = all.as_slice() else { panic!("{} obstructions", all.len()) };
+            assert_eq!(wall.effect, Obstructs::Branches);
+            let entered = grown.skeleton.positions.iter().filter(|place| is_inside(wall, **place)).count();
+            assert_eq!(entered, 0, "{refine}: of {} nodes", grown.skeleton.positions.len());
+            let bounds = Bounds::of(wall.positions.iter().copied()).unwrap();
+            let lines = Bounds::of(outline(&recipe, &Quiet).unwrap().into_iter().flatten()).unwrap();
+            assert!((lines.min - bounds.min).length() < 1e-4 && (lines.max - bounds.max).length() < 1e-4);
+            assert!(grown.skeleton.positions.len() > 1000);
+        }
+    }
+
+    #[test]
     fn what_has_no_crown_has_no_outline() {
         assert_eq!(outline(&recipe("abop-c", &[]), &Quiet).unwrap(), Vec::<Vec<Vec3>>::new());
         let missing = Recipe::new(recipe("heart", &[]).preset);

@@ -60,6 +60,10 @@ impl Growth<'_> {
             let mut place = nodes.places[parent].as_dvec3() + all * (old - parent_old);
             // What reaches the ground lies on it.
             place.y = place.y.max(0.0);
+            // So does what reaches an obstacle.
+            if self.barriers.bar(place) {
+                place = old;
+            }
             let before = nodes.voxel(node);
             nodes.places[node] = place.as_vec3();
             nodes.directions[node] = (all * nodes.directions[node].as_dvec3()).normalize().as_vec3();

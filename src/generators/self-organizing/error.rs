@@ -2,13 +2,15 @@
 
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
+use linden_crown::CrownError;
+use linden_crown::envelope::EnvelopeError;
 use linden_skeleton::generator::GeneratorError;
 
 /// Within so many internodes of the origin trees may stand: about what single precision tells apart.
 pub(crate) const FARTHEST: f32 = 100_000.0;
 
 /// Why no tree grew.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SelfOrganizingError {
     /// The result was no longer wanted.
@@ -47,6 +49,36 @@ pub enum SelfOrganizingError {
         /// Metres.
         z: f32,
     },
+    /// An obstacle that cannot stand.
+    #[error("placing obstacle {number} ({what}): {problem}")]
+    Obstacle {
+        /// Counted from 1, in the order of the document.
+        number: usize,
+        /// What it is, printable.
+        what: String,
+        /// Why, and what to do.
+        #[source]
+        problem: ObstacleError,
+    },
+    /// A foot in an obstacle.
+    #[error("growing by light: tree {number} would stand in an obstacle, at {x}, {z}; move one of them")]
+    FootInside {
+        /// Of the tree, from 0.
+        number: usize,
+        /// Metres.
+        x: f32,
+        /// Metres.
+        z: f32,
+    },
+    /// The seedlings stand in the dark.
+    #[error(
+        "growing by light: obstacles left no bud enough light to grow in {years} years; move them or make them \
+         smaller"
+    )]
+    NoLight {
+        /// [`SelfOrganizing::years`](crate::SelfOrganizing::years).
+        years: u32,
+    },
     /// The seedling never grew.
     #[error(
         "growing by light: no bud got enough to grow in {years} years; a bud grows from 1 on, and in full \
@@ -59,6 +91,26 @@ pub enum SelfOrganizingError {
         vigor: f64,
     },
 }
+
+/// Why an obstacle cannot stand.
+#[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ObstacleError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// Its shape.
+    #[error(transparent)]
+    Crown(#[from] CrownError),
+    /// Its mesh.
+    #[error(transparent)]
+    Envelope(EnvelopeError),
+    /// Its file is missing or holds something else.
+    #[error("the file must hold a mesh, OBJ or PLY")]
+    NoMesh,
+}
+
+linden_base::from_cancellable!(ObstacleError: EnvelopeError => Envelope);
 
 impl From<SelfOrganizingError> for GeneratorError {
     fn from(error: SelfOrganizingError) -> Self {

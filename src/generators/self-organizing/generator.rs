@@ -5,15 +5,18 @@ use linden_base::document::{Fault, Table};
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
+use linden_crown::skin::Skin;
+use linden_crown::solid::CROWN_KEY;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps, TableKey,
-    Task, Traits, Written,
+    Barred, Branched, Generator, GeneratorError, Obstruction, Obstructs, Passage, RadiiFrom, SampleSize,
+    Sampler, Settings, Steps, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
 
+use crate::obstacle::Obstacle;
 use crate::sample::FirstTrees;
-use crate::{SelfOrganizing, grow_stand, stand};
+use crate::{Barriers, SelfOrganizing, grow_among, obstacle, stand};
 
 /// Trees whose buds compete for light.
 pub const GENERATOR: &dyn Generator = &SelfOrganizingTrees;
@@ -64,12 +67,18 @@ impl Generator for SelfOrganizingTrees {
     }
 
     fn keys(&self) -> &'static [TableKey] {
-        &[stand::TREES]
+        &[stand::TREES, obstacle::OBSTACLES]
     }
 
     fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
-        let stand = table.find(stand::TREE).map(|entry| stand::read(&entry.node)).transpose()?;
-        Ok(Box::new(SelfOrganizing { stand: stand.unwrap_or_default(), ..SelfOrganizing::default() }))
+        let mut settings = SelfOrganizing::default();
+        if let Some(entry) = table.find(stand::TREE) {
+            settings.stand = stand::read(&entry.node)?;
+        }
+        if let Some(entry) = table.find(obstacle::OBSTACLE) {
+            settings.obstacles = obstacle::read(&entry.node)?;
+        }
+        Ok(Box::new(settings))
     }
 }
 
@@ -87,23 +96,47 @@ impl Settings for SelfOrganizing {
     }
 
     fn written(&self) -> Vec<(&'static str, Written)> {
-        let tables = || self.stand.iter().copied().map(stand::written).collect();
-        (!self.stand.is_empty()).then(|| (stand::TREE, Written::Tables(tables()))).into_iter().collect()
+        let trees: Vec<_> = self.stand.iter().copied().map(stand::written).collect();
+        let obstacles: Vec<_> = self.obstacles.iter().map(Obstacle::written).collect();
+        let all = [(stand::TREE, trees), (obstacle::OBSTACLE, obstacles)].into_iter();
+        all.filter(|(_, tables)| !tables.is_empty()).map(|(key, all)| (key, Written::Tables(all))).collect()
     }
 
     fn plain(&self) -> Box<dyn Settings> {
-        Box::new(Self { stand: self.stand.clone(), ..Self::default() })
+        let (stand, obstacles) = (self.stand.clone(), self.obstacles.iter().map(Obstacle::plain).collect());
+        Box::new(Self { stand, obstacles, ..Self::default() })
     }
 
-    fn describe(&self, _: &Inputs) -> Vec<Passage> {
-        if self.stand.is_empty() {
-            return Vec::new();
+    fn inputs(&self) -> Vec<&str> {
+        self.obstacles.iter().filter_map(Obstacle::file).collect()
+    }
+
+    fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {
+        for file in self.obstacles.iter_mut().filter_map(Obstacle::file_mut) {
+            if let Some(name) = renamed(file) {
+                *file = name;
+            }
         }
+    }
+
+    fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
         let tree = |(number, [x, z]): (usize, &[f64; 2])| format!("{number} at {x}, {z}");
         let more = self.stand.len().saturating_sub(MOST_TOLD);
         let trees = (2..).zip(&self.stand).take(MOST_TOLD).map(tree);
-        let lines = trees.chain((more > 0).then(|| format!("and {more} more"))).collect();
-        vec![Passage { heading: "further trees", lines }]
+        let trees = trees.chain((more > 0).then(|| format!("and {more} more"))).collect();
+        let obstacle = |(number, obstacle): (usize, &Obstacle)| {
+            let input = obstacle.file().and_then(|file| inputs.get(file));
+            let extent = input.map_or_else(String::new, |input| format!(": {}", input.extent()));
+            let knobs = obstacle.knobs().into_iter().filter(|(knob, _)| knob.name != CROWN_KEY);
+            let knobs: Vec<String> = knobs.map(|(knob, value)| format!("{} {value}", knob.name)).collect();
+            [format!("{number} {}{extent}", obstacle.describe()), format!("  {}", knobs.join("  "))]
+        };
+        let obstacles = (1..).zip(&self.obstacles).flat_map(obstacle).collect();
+        let all = [("further trees", trees), ("obstacles", obstacles)];
+        let passage = |(heading, lines): (&'static str, Vec<String>)| {
+            (!lines.is_empty()).then_some(Passage { heading, lines })
+        };
+        all.into_iter().filter_map(passage).collect()
     }
 
     fn idle(&self, knob: &str, _: &Wood) -> Option<&'static str> {
@@ -146,11 +179,30 @@ impl Settings for SelfOrganizing {
         let feet =
             [Vec3::ZERO].into_iter().chain(self.stand.iter().map(|&[x, z]| DVec3::new(x, 0.0, z).as_vec3()));
         let feet: Vec<Vec3> = feet.collect();
-        let grown = grow_stand(self, &feet, task.key().named("self-organizing"), monitor)?;
+        let barriers = Barriers::new(self, task.inputs, monitor)?;
+        let grown = grow_among(self, &feet, &barriers, task.key().named("self-organizing"), monitor)?;
         let note = || format!("{} of {} trees died in the shade of others", grown.died, feet.len());
-        let notes = (grown.died > 0).then(note).into_iter().collect();
+        let mut notes = barriers.notes.clone();
+        notes.extend((grown.died > 0).then(note));
+        let barred =
+            (!barriers.is_empty()).then(|| -> Barred { Box::new(move |p| barriers.hold(p.as_dvec3())) });
         let most_nodes = self.max_nodes.into();
-        Ok(Branched { branching: grown.branching, most_nodes, notes, ..Branched::default() })
+        Ok(Branched { branching: grown.branching, most_nodes, barred, notes, ..Branched::default() })
+    }
+
+    /// The obstacles.
+    fn outline(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Vec<Vec<Vec3>>, GeneratorError> {
+        Ok(Barriers::new(self, task.inputs, monitor)?.outline())
+    }
+
+    fn obstructions(
+        &self,
+        task: &Task<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Obstruction>, GeneratorError> {
+        let solid =
+            |Skin { positions, triangles }| Obstruction::new(Obstructs::Branches, positions, triangles);
+        Ok(Barriers::new(self, task.inputs, monitor)?.skins().into_iter().map(solid).collect())
     }
 }
 

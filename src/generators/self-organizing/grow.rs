@@ -5,6 +5,7 @@ use linden_base::monitor::{Monitor, Phase};
 use linden_base::random::Key;
 use linden_skeleton::{Branching, Edge, NO_PARENT};
 
+use crate::barriers::{Barriers, in_metres};
 use crate::error::FARTHEST;
 use crate::light::Light;
 use crate::shadow::Change;
@@ -61,6 +62,8 @@ pub fn grow(
 
 /// Grows a tree on each foot, metres, y = 0; they shade each other, and grow year by year at the same time.
 ///
+/// [`SelfOrganizing::obstacles`] are left out: [`grow_among`] takes them as they stand.
+///
 /// A tree's random choices follow from its number and the key, not from the other trees. A tree that gets too little
 /// light for years dies, but for [`SelfOrganizing::shed`] = 0: there may be fewer trees than feet.
 ///
@@ -72,13 +75,33 @@ pub fn grow_stand(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Grown, SelfOrganizingError> {
+    grow_among(settings, feet, &Barriers::default(), key, monitor)
+}
+
+/// As [`grow_stand`], among solids that nothing grows into and that take the light.
+///
+/// # Errors
+/// As [`grow`], and a foot in a solid.
+pub fn grow_among(
+    settings: &SelfOrganizing,
+    feet: &[Vec3],
+    barriers: &Barriers,
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Grown, SelfOrganizingError> {
     let farthest = FARTHEST * settings.internode_m as f32;
     for (number, &Vec3 { x, y, z }) in feet.iter().enumerate() {
         if y != 0.0 || !(x.abs() <= farthest && z.abs() <= farthest) {
             return Err(SelfOrganizingError::Foot { number, x, y, z });
         }
+        // The ground may be the base of a solid.
+        let above = DVec3::new(x.into(), 0.5 * settings.internode_m, z.into());
+        if barriers.hold(above) {
+            return Err(SelfOrganizingError::FootInside { number, x, z });
+        }
     }
-    let mut growth = Growth::new(settings);
+    let mut growth = Growth { barriers, ..Growth::new(settings) };
+    growth.light.stand_behind(barriers, settings, feet, monitor)?;
     for (number, foot) in (0..).zip(feet) {
         let key = key.child(number);
         let turn = key.named("turn").on_circle();
@@ -95,11 +118,12 @@ pub fn grow_stand(
 }
 
 /// A foot at the origin is in the middle of its voxel, so that shade falls evenly about it.
-const CENTRE: DVec3 = DVec3::new(0.5, 0.0, 0.5);
+pub(crate) const CENTRE: DVec3 = DVec3::new(0.5, 0.0, 0.5);
 
 /// Trees in a year of their growth, and their light.
 pub(crate) struct Growth<'a> {
     pub settings: &'a SelfOrganizing,
+    pub barriers: &'a Barriers,
     pub nodes: Nodes,
     pub light: Light,
     /// The last one that passed.
@@ -109,7 +133,10 @@ pub(crate) struct Growth<'a> {
 
 impl<'a> Growth<'a> {
     pub fn new(settings: &'a SelfOrganizing) -> Self {
-        Self { settings, nodes: Nodes::default(), light: Light::new(settings), year: 0, shed: 0 }
+        /// In the open.
+        static NONE: Barriers = Barriers::none();
+        let (nodes, light) = (Nodes::default(), Light::new(settings));
+        Self { settings, barriers: &NONE, nodes, light, year: 0, shed: 0 }
     }
 
     /// Adds a seedling: a foot, in voxels, whose apex looks up, and the side of its first bud.
@@ -211,7 +238,7 @@ impl<'a> Growth<'a> {
                 monitor.check()?;
             }
             let first = self.nodes.len() as u32;
-            let grown = shoot.grow(&self.nodes, first, self.year, bole, self.settings);
+            let grown = shoot.grow(&self.nodes, first, self.year, bole, self.settings, self.barriers);
             let node = shoot.node as usize;
             match shoot.bud {
                 None => self.nodes.flags[node] &= !APEX,
@@ -226,16 +253,19 @@ impl<'a> Growth<'a> {
 
     /// The trees in metres.
     pub fn finish(self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
-        let Self { settings, nodes, shed, .. } = self;
+        let Self { settings, barriers, nodes, shed, .. } = self;
         monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
         let pipes = nodes.pipes();
         let is_root = |&node: &usize| !nodes.is_foot(node);
         if !(0..nodes.len()).any(|node| is_root(&node)) {
             let (years, vigor) = (settings.years_grown(), settings.vigor);
+            if !barriers.is_empty() && vigor >= 1.0 {
+                return Err(SelfOrganizingError::NoLight { years });
+            }
             return Err(SelfOrganizingError::NothingGrew { years, vigor });
         }
         let radius = |&pipes: &u32| (0.5 * settings.diameter_m(pipes)) as f32;
-        let place = |place: &Vec3| ((place.as_dvec3() - CENTRE) * settings.internode_m).as_vec3();
+        let place = |place: &Vec3| in_metres(*place, settings.internode_m);
         let edge = |flags: &u8| if flags & LATERAL == 0 { Edge::Succeeds } else { Edge::Branches };
         let branching = Branching {
             positions: nodes.places.iter().map(place).collect(),

@@ -15,10 +15,11 @@
 //! | module | is |
 //! |---|---|
 //! | [`SelfOrganizing`] | the settings and their knobs |
-//! | [`grow()`], [`grow_stand`] | a tree; trees that shade each other |
+//! | [`grow()`], [`grow_stand`], [`grow_among`] | a tree; trees that shade each other; both among obstacles |
+//! | [`Obstacle`], [`Barriers`] | a solid that nothing grows into, in documents and as it stands |
 //! | [`GENERATOR`] | the generator |
 //!
-//! Takes settings and a key, gives a branching with radii, births and edges. Shade is counted in integers and
+//! Takes settings, meshes and a key, gives a branching with radii, births and edges. Shade is counted in integers and
 //! random choices follow from places in the tree, so that any number of threads gives the same tree. Knows no preset
 //! and opens no file.
 //!
@@ -38,12 +39,14 @@
 //! # Ok::<(), linden_self_organizing::SelfOrganizingError>(())
 //! ```
 
+mod barriers;
 mod bend;
 mod error;
 mod generator;
 mod grow;
 mod knobs;
 mod light;
+mod obstacle;
 mod plane;
 #[cfg(test)]
 mod predictions;
@@ -57,10 +60,14 @@ mod sky;
 mod stand;
 mod sums;
 mod tree;
+#[cfg(test)]
+mod wall_predictions;
 
-pub use error::SelfOrganizingError;
+pub use barriers::Barriers;
+pub use error::{ObstacleError, SelfOrganizingError};
 pub use generator::GENERATOR;
-pub use grow::{Grown, grow, grow_stand};
+pub use grow::{Grown, grow, grow_among, grow_stand};
 pub use knobs::MOST_NODES;
+pub use obstacle::{MOST_OBSTACLES, Obstacle, ObstacleSolid};
 pub use settings::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
 pub use stand::MOST_TREES;

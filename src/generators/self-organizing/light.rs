@@ -1,9 +1,11 @@
 //! The light that buds get, in one way or the other.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Monitor;
 
+use crate::barriers::Barriers;
+use crate::grow::CENTRE;
 use crate::shadow::{Change, Shadow};
 use crate::sky::Sky;
 use crate::tree::Nodes;
@@ -27,6 +29,42 @@ impl Light {
         match settings.light {
             LightModel::Shadow => Self::Shadow(Shadow::new(settings)),
             LightModel::Sky => Self::Sky(Sky::new(settings)),
+        }
+    }
+
+    /// Obstacles stand there from now on. For shadow, those parts alone that trees on some feet, metres, may come to.
+    ///
+    /// # Errors
+    /// [`SelfOrganizingError`]: too little memory, cancelled.
+    pub fn stand_behind(
+        &mut self,
+        barriers: &Barriers,
+        settings: &SelfOrganizing,
+        feet: &[Vec3],
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
+        if barriers.is_empty() {
+            return Ok(());
+        }
+        match self {
+            Self::Shadow(shadow) => {
+                let reach = f64::from(settings.years_grown()) * settings.longest_shoot
+                    + 2.0 * f64::from(settings.shade_depth + 2);
+                let near = |voxel: &Voxel| {
+                    let at = DVec3::from(voxel.map(f64::from));
+                    let is_near = |foot: &Vec3| {
+                        let foot = foot.as_dvec3() / settings.internode_m;
+                        (at.x - foot.x).abs() <= reach && (at.z - foot.z).abs() <= reach && at.y <= reach
+                    };
+                    feet.iter().any(is_near)
+                };
+                let surface = barriers.surface(1, CENTRE, monitor)?;
+                let change = |voxel| Change { voxel, is_gone: false };
+                let mut changes: Vec<Change> = surface.into_iter().filter(near).map(change).collect();
+                shadow.grid.change(&mut changes, &shadow.pyramid, monitor)?;
+                Ok(())
+            }
+            Self::Sky(sky) => sky.stand_behind(barriers, monitor),
         }
     }
 

@@ -2,6 +2,8 @@
 
 use linden_base::words;
 
+use crate::obstacle::Obstacle;
+
 /// The deepest order of axes.
 pub const MAX_ORDERS: u32 = 16;
 
@@ -47,6 +49,8 @@ pub struct SelfOrganizing {
     /// Where further trees stand, x and z in metres: they grow with the first one, which stands at the origin, and
     /// all take each other's light.
     pub stand: Vec<[f64; 2]>,
+    /// Solids that nothing grows into, and that take the light.
+    pub obstacles: Vec<Obstacle>,
     /// Years that the tree grows.
     pub years: u32,
     /// The share of them that it has behind it.
@@ -151,6 +155,7 @@ impl Default for SelfOrganizing {
     fn default() -> Self {
         Self {
             stand: Vec::new(),
+            obstacles: Vec::new(),
             years: 20,
             age: 1.0,
             internode_m: 0.1,

@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 
+use crate::barriers::Barriers;
 use crate::settings::of_order;
 use crate::tree::{APEX, LATERAL, Node, Nodes, PARTS};
 use crate::{Phyllotaxis, SelfOrganizing};
@@ -36,7 +37,7 @@ pub(crate) fn internodes(share: f64, settings: &SelfOrganizing) -> Option<(u32, 
 
 impl Shoot {
     /// The nodes of the shoot, the first on its bud's node, each on the one before; `first` is the number that the
-    /// first will have. Fewer where it meets the ground, or, in a
+    /// first will have. Fewer where it meets the ground or an obstacle that it cannot turn away from, or, in a
     /// branch, what grazes below the bole's height.
     pub fn grow(
         &self,
@@ -45,6 +46,7 @@ impl Shoot {
         year: u32,
         bole: f64,
         settings: &SelfOrganizing,
+        barriers: &Barriers,
     ) -> Vec<Node> {
         let mut last = self.bud_of(nodes, year, settings);
         let mut grown = Vec::with_capacity(self.internodes as usize);
@@ -52,7 +54,8 @@ impl Shoot {
             let is_end = i + 1 == self.internodes;
             let is_first = i == 0;
             let key = last.key.child(0);
-            let direction = self.direction(&last, settings);
+            let wanted = self.direction(&last, settings);
+            let Some(direction) = barriers.turned(last.place, wanted, self.length) else { break };
             let place = last.place + direction * self.length;
             let is_cut = last.order > 0 && place.y < bole;
             if place.y < 0.0 || is_cut || !place.is_finite() {

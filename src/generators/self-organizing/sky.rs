@@ -12,6 +12,8 @@ use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
+use crate::barriers::Barriers;
+use crate::grow::CENTRE;
 use crate::light::{FULL_LIGHT, Voxel};
 use crate::tree::{APEX, Nodes};
 use crate::{SelfOrganizing, SelfOrganizingError};
@@ -87,12 +89,14 @@ pub(crate) struct Sky {
     /// The least leafy voxel, and how many there are along x, y and z.
     low: Voxel,
     size: [usize; 3],
-    /// Leafy nodes in each voxel; level by level, z runs fastest.
+    /// Leafy nodes in each voxel, and [`DARK`] where an obstacle is; level by level, z runs fastest.
     leafy: Vec<u32>,
     /// The place in `lit` of each voxel with a bud in it; [`NO_BUD`] for the others.
     places: Vec<u32>,
     /// What the voxels with buds get, and from where.
     lit: Vec<Lit>,
+    /// The voxels of obstacles' surfaces, sorted.
+    walls: Vec<Voxel>,
 }
 
 /// Of a voxel whose light nobody asks for.
@@ -131,11 +135,25 @@ fn shifted(
     }
 }
 
+/// What is added to places: a foot, half an internode off a corner, is in the middle of its voxel.
+const IN_VOXEL: DVec3 = DVec3::new(0.5, 0.0, 0.5);
+
+/// Half nodes on a path that an obstacle ends; more than all others together.
+const DARK: u32 = 1 << 29;
+
 /// The voxel of a node.
 fn voxel(nodes: &Nodes, node: usize) -> Voxel {
-    // A foot, half an internode off the corner, is in the middle of its voxel.
-    let [x, y, z] = (nodes.places[node].as_dvec3() + DVec3::new(0.5, 0.0, 0.5)).to_array();
+    let [x, y, z] = (nodes.places[node].as_dvec3() + IN_VOXEL).to_array();
     [x, y, z].map(|along| libm::floor(along / f64::from(EDGE)) as i32)
+}
+
+/// The least box around voxels; `None` without any.
+fn around<'a>(mut voxels: impl Iterator<Item = &'a Voxel>) -> Option<[Voxel; 2]> {
+    let &first = voxels.next()?;
+    Some(voxels.fold([first; 2], |[low, high], voxel| {
+        let each = |pick: fn(i32, i32) -> i32, of: Voxel| [0, 1, 2].map(|axis| pick(of[axis], voxel[axis]));
+        [each(i32::min, low), each(i32::max, high)]
+    }))
 }
 
 impl Sky {
@@ -156,8 +174,21 @@ impl Sky {
         let passing = directions.iter().map(passing).collect();
         let (low, size) = ([0; 3], [0; 3]);
         let leaf_years = settings.leaf_years;
-        let (leafy, places, lit) = (Vec::new(), Vec::new(), Vec::new());
-        Self { directions, passing, leaf_years, low, size, leafy, places, lit }
+        let (leafy, places, lit, walls) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { directions, passing, leaf_years, low, size, leafy, places, lit, walls }
+    }
+
+    /// Lets no light pass the surfaces of solids.
+    ///
+    /// # Errors
+    /// [`SelfOrganizingError`]: too little memory, cancelled.
+    pub fn stand_behind(
+        &mut self,
+        barriers: &Barriers,
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
+        self.walls = barriers.surface(EDGE, IN_VOXEL + CENTRE, monitor)?;
+        Ok(())
     }
 
     /// Works the light of all voxels with buds out, as it is at the beginning of a year.
@@ -172,17 +203,14 @@ impl Sky {
     ) -> Result<(), SelfOrganizingError> {
         let is_leafy = |&node: &usize| !nodes.is_foot(node) && year - nodes.year(node) <= self.leaf_years;
         let voxels: Vec<Voxel> = (0..nodes.len()).filter(is_leafy).map(|node| voxel(nodes, node)).collect();
-        let Some(&first) = voxels.first() else {
+        let walls = self.walls_near(nodes);
+        // With no obstacle near, what is beyond the leaves is in full light.
+        let all = if walls.is_empty() { 0 } else { nodes.len() };
+        let all: Vec<Voxel> = (0..all).map(|node| voxel(nodes, node)).collect();
+        let Some([mut low, high]) = around(voxels.iter().chain(&all).chain(&walls)) else {
             self.size = [0; 3];
             return Ok(());
         };
-        let (mut low, mut high) = (first, first);
-        for voxel in &voxels {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(voxel[axis]);
-                high[axis] = high[axis].max(voxel[axis]);
-            }
-        }
         // Light falls down to the ground, where buds may be that have no leaf beside them.
         low[1] = 0;
         let size = [0, 1, 2].map(|axis| (high[axis] - low[axis] + 1) as usize);
@@ -196,13 +224,21 @@ impl Sky {
         let voxel_bytes = bytes_of::<[u32; 2]>(count);
         let path_bytes = bytes_of::<u32>(paths.saturating_mul(directions));
         let lit_bytes = bytes_of::<Lit>(with_buds.clone().count());
-        monitor.admit(DOING, voxel_bytes.saturating_add(path_bytes).saturating_add(lit_bytes), ADVICE)?;
+        let held = bytes_of::<Voxel>(self.walls.len() + walls.len());
+        let bytes = voxel_bytes.saturating_add(path_bytes).saturating_add(lit_bytes).saturating_add(held);
+        monitor.admit(DOING, bytes, ADVICE)?;
         (self.low, self.size) = (low, size);
         self.leafy.clear();
         self.leafy.resize(count, 0);
         for voxel in voxels {
             if let Some(slot) = self.slot(voxel) {
                 self.leafy[slot] += 1;
+            }
+        }
+        let has_walls = !walls.is_empty();
+        for wall in walls {
+            if let Some(slot) = self.slot(wall) {
+                self.leafy[slot] |= DARK;
             }
         }
         let mut asked: Vec<usize> = with_buds.filter_map(|node| self.slot(voxel(nodes, node))).collect();
@@ -213,15 +249,35 @@ impl Sky {
         for (place, &slot) in (0..).zip(&asked) {
             self.places[slot] = place;
         }
-        Ok(self.shine_on(&asked, monitor)?)
+        Ok(self.shine_on(&asked, has_walls, monitor)?)
+    }
+
+    /// The voxels of obstacles that may be in the way of light to nodes: the flattest paths climb a level in two steps
+    /// sideways.
+    fn walls_near(&self, nodes: &Nodes) -> Vec<Voxel> {
+        if self.walls.is_empty() {
+            return Vec::new();
+        }
+        let all: Vec<Voxel> = (0..nodes.len()).map(|node| voxel(nodes, node)).collect();
+        let Some([low, high]) = around(all.iter()) else { return Vec::new() };
+        let is_near = |wall: &&Voxel| {
+            let reach = 2 * (wall[1] + 1);
+            [0, 2].iter().all(|&axis| (low[axis] - reach..=high[axis] + reach).contains(&wall[axis]))
+        };
+        self.walls.iter().filter(is_near).copied().collect()
     }
 
     /// Works the light of some voxels out, which are in rising order.
-    fn shine_on(&mut self, asked: &[usize], monitor: &dyn Monitor) -> Result<(), Cancelled> {
+    fn shine_on(
+        &mut self,
+        asked: &[usize],
+        has_walls: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
         // Each direction by itself, on any thread; then one after the other, as floats do not sum up alike in any order.
         let paths = self.directions.par_iter().zip(&self.passing);
         let passing: Vec<Vec<u32>> = paths
-            .map(|(direction, passing)| self.passing_from(direction, passing, asked, monitor))
+            .map(|(direction, passing)| self.passing_from((direction, passing), asked, has_walls, monitor))
             .collect::<Result<_, Cancelled>>()?;
         self.lit.clear();
         self.lit.resize(asked.len(), Lit::default());
@@ -242,9 +298,9 @@ impl Sky {
     /// with what it had in the level above.
     fn passing_from(
         &self,
-        direction: &Direction,
-        passing: &[u32],
+        (direction, passing): (&Direction, &Vec<u32>),
         asked: &[usize],
+        has_walls: bool,
         monitor: &dyn Monitor,
     ) -> Result<Vec<u32>, Cancelled> {
         let [wide, tall, deep] = self.size;
@@ -280,12 +336,17 @@ impl Sky {
                     }
                 });
             }
+            if has_walls {
+                here.iter_mut().for_each(|halves| *halves = (*halves).min(DARK));
+            }
             let start = asked[..end].partition_point(|&slot| slot < y * level);
             for (passes, &slot) in passes[start..end].iter_mut().zip(&asked[start..end]) {
                 // What is beside a node shades it as from halfway through its voxel.
-                let beside = leafy[slot - y * level].saturating_sub(1);
-                let halves = here[slot - y * level] + beside;
-                *passes = passing[(halves as usize).min(passing.len() - 1)];
+                let beside = (leafy[slot - y * level] & !DARK).saturating_sub(1);
+                let halves = here[slot - y * level];
+                let is_ended = halves >= DARK;
+                *passes =
+                    if is_ended { 0 } else { passing[((halves + beside) as usize).min(passing.len() - 1)] };
             }
             end = start;
             std::mem::swap(&mut above, &mut here);
@@ -313,7 +374,9 @@ impl Sky {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        bytes_of::<Lit>(self.lit.capacity()) + bytes_of::<u32>(self.leafy.capacity() + self.places.capacity())
+        bytes_of::<Lit>(self.lit.capacity())
+            + bytes_of::<u32>(self.leafy.capacity() + self.places.capacity())
+            + bytes_of::<Voxel>(self.walls.capacity())
     }
 
     fn slot(&self, voxel: Voxel) -> Option<usize> {
@@ -367,14 +430,20 @@ mod tests {
     /// The law itself: each direction's path is walked from the voxel up to the top, counting nodes on it.
     fn by_definition(sky: &Sky, settings: &SelfOrganizing, leaves: &[Voxel], from: Voxel) -> f64 {
         let leaves_in = |at: Voxel| leaves.iter().filter(|&&leaf| leaf == at).count() as f64;
-        let top = leaves.iter().map(|leaf| leaf[1]).max().unwrap();
+        let top = leaves.iter().chain(&sky.walls).map(|voxel| voxel[1]).max().unwrap();
         let path = |direction: &Direction| {
             let slope = libm::hypot(direction.towards.x, direction.towards.z) / direction.towards.y;
             let level_m = libm::sqrt(1.0 + slope * slope);
             let mut leafy = 0.5 * (leaves_in(from) - 1.0).max(0.0);
             let [mut x, mut y, mut z] = from;
+            let is_wall = |at: Voxel| sky.walls.contains(&at);
             while y <= top {
                 let [dx, dz] = direction.to;
+                let is_steep = direction.is_steep && y % 2 == 0;
+                let next = if is_steep { [x, y + 1, z] } else { [x + dx, y + 1, z + dz] };
+                if is_wall(next) || direction.between.is_some_and(|[mx, mz]| is_wall([x + mx, y, z + mz])) {
+                    return 0.0;
+                }
                 if let Some([mx, mz]) = direction.between {
                     leafy += 0.5 * (leaves_in([x + mx, y, z + mz]) + leaves_in([x + dx, y + 1, z + dz]));
                 }
@@ -413,6 +482,35 @@ mod tests {
             }
             assert!(least < FULL_LIGHT * 6 / 10, "{least}");
         }
+    }
+
+    #[test]
+    fn no_light_passes_a_wall_on_any_path() {
+        let key = Key::new(9);
+        let places = (0..200).map(|i| {
+            let at = |axis: u64, high| key.child(i).child(axis).between(0.0, high);
+            DVec3::new(at(0, 16.0), at(1, 20.0), at(2, 12.0))
+        });
+        let nodes = nodes(places, 1);
+        let settings = settings();
+        let mut sky = Sky::new(&settings);
+        // One stands beside the crown, some float above and in it, one is too far away for any path.
+        sky.walls = (0..30).flat_map(|y| (-5..4).map(move |z| [10, y, z])).collect();
+        sky.walls.extend([[3, 12, 2], [4, 6, 2], [4, 6, 3], [-2, 11, 9], [900, 3, 3]]);
+        sky.walls.sort_unstable();
+        sky.shine(&nodes, 2, &Quiet).unwrap();
+        assert!(sky.size[0] < 100, "what no path meets is left out: {:?}", sky.size);
+        let leaves: Vec<Voxel> = (1..nodes.len()).map(|node| voxel(&nodes, node)).collect();
+        let mut in_shade = 0;
+        for node in 1..nodes.len() {
+            let light = sky.light(&nodes, node);
+            let expected = by_definition(&sky, &settings, &leaves, voxel(&nodes, node));
+            assert!((f64::from(light) - expected).abs() < 40.0, "{node}: {light} {expected}");
+            let bare = Sky { walls: Vec::new(), ..sky.clone() };
+            let without = by_definition(&bare, &settings, &leaves, voxel(&nodes, node));
+            in_shade += usize::from(expected < 0.8 * without);
+        }
+        assert!(in_shade > 50, "{in_shade}");
     }
 
     #[test]

@@ -7,8 +7,8 @@ use super::error::{ForestError, Loner};
 use super::planned::PlannedTree;
 use super::{ForestKind, Layout};
 use crate::preset::{
-    Colonization, CrownPart, GrowthSettings, LSystem, MOST_NODES, MOST_PARTS, MOST_TREES, Role,
-    SelfOrganizing, Solid, Space, WeberPenn,
+    Colonization, CrownPart, GrowthSettings, LSystem, MOST_NODES, MOST_OBSTACLES, MOST_PARTS, MOST_TREES,
+    Obstacle, Role, SelfOrganizing, Solid, Space, WeberPenn,
 };
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
@@ -37,7 +37,7 @@ impl Stand {
 }
 
 /// Trees that take each other's light. All grow by the same rules: light decides which of them gets large, and the
-/// sizes of places are left out.
+/// sizes of places are left out. Each has the obstacles of its kind.
 fn by_light(
     tree: &PlannedTree,
     rules: &SelfOrganizing,
@@ -49,11 +49,15 @@ fn by_light(
     if !rules.stand.is_empty() {
         return Err(ForestError::Loner { kind: printable(&preset.id), why: Loner::Stand });
     }
+    if rules.obstacles.iter().any(Obstacle::is_unplaced) {
+        return Err(ForestError::Loner { kind: printable(&preset.id), why: Loner::Parts });
+    }
     let scale = kind.size as f32;
     let [first, others @ ..] = places else { return Ok(Stand { tree: tree.clone(), scale }) };
     let stems = places.len() as u64;
-    if places.len() > MOST_TREES {
-        return Err(ForestError::TooManyStems { stems, most: MOST_TREES as u64 });
+    let most = MOST_OBSTACLES.checked_div(rules.obstacles.len()).unwrap_or(MOST_TREES);
+    if places.len() > most {
+        return Err(ForestError::TooManyStems { stems, most: most as u64 });
     }
     let from_first = |place: &Place| {
         let at = (place.position - first.position).as_dvec3() / kind.size;
@@ -61,6 +65,9 @@ fn by_light(
     };
     let mut rules = rules.clone();
     rules.stand = others.iter().map(from_first).collect();
+    let beside = |at: &[f64; 2]| rules.obstacles.iter().map(|obstacle| obstacle.beside(*at)).collect();
+    let further: Vec<Vec<Obstacle>> = rules.stand.iter().map(beside).collect();
+    rules.obstacles.extend(further.into_iter().flatten());
     rules.max_nodes = rules.max_nodes.saturating_mul(stems as u32).min(MOST_NODES);
     let mut preset = preset.clone();
     preset.generator = Box::new(rules);

@@ -305,6 +305,18 @@ mod tests {
         forest.layout.compete = true;
         let said = forest.plan(&Quiet).unwrap_err().to_string();
         assert!(said.contains("several trees already") && said.contains("'oak'"), "{said}");
+        // Obstacles are beside each tree, of which there are fewer then.
+        let lamp = "id = \"lamp\"\n[self-organizing]\n[[self-organizing.obstacle]]\nbox = [1, 2, 3]\nat = [2, 0, 0]\n";
+        let mut forest = Forest::of(vec![Recipe::new(Preset::from_toml(lamp).unwrap())]);
+        forest.layout.compete = true;
+        let plan = forest.plan(&Quiet).unwrap();
+        let rules = plan.trees[0].recipe.preset.settings::<SelfOrganizing>().unwrap();
+        assert_eq!(rules.obstacles.len(), rules.stand.len() + 1);
+        let [x, z] = rules.stand[4];
+        assert_eq!(rules.obstacles[5].at, Some([x + 2.0, 0.0, z]));
+        forest.layout.set("area", "200").unwrap();
+        let said = forest.plan(&Quiet).unwrap_err().to_string();
+        assert!(said.contains("more than the 256 that compete"), "{said}");
     }
 
     #[test]

@@ -61,7 +61,9 @@ pub use linden_plant::settings::{
 };
 pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
-pub use linden_self_organizing::{MOST_NODES, MOST_TREES, SelfOrganizing};
+pub use linden_self_organizing::{
+    MOST_NODES, MOST_OBSTACLES, MOST_TREES, Obstacle, ObstacleSolid, SelfOrganizing,
+};
 pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
