@@ -8,9 +8,9 @@ use linden_base::knob::{Kind, Knob, Value};
 use linden_growth::site::crown_base_m;
 
 use crate::ColonizationError;
+use crate::crown::solid::dimensions_of;
 use crate::crown::{self, Shape};
 use crate::settings::{Colonization, Space};
-use crate::crown::solid::dimensions_of;
 use crate::standing::Standing;
 
 /// Handles as fine as this share of the crown's size: no hand is steadier, and knobs stay short.

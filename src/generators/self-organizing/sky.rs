@@ -268,12 +268,7 @@ impl Sky {
     }
 
     /// Works the light of some voxels out, which are in rising order.
-    fn shine_on(
-        &mut self,
-        asked: &[usize],
-        has_walls: bool,
-        monitor: &dyn Monitor,
-    ) -> Result<(), Cancelled> {
+    fn shine_on(&mut self, asked: &[usize], has_walls: bool, monitor: &dyn Monitor) -> Result<(), Cancelled> {
         // Each direction by itself, on any thread; then one after the other, as floats do not sum up alike in any order.
         let paths = self.directions.par_iter().zip(&self.passing);
         let passing: Vec<Vec<u32>> = paths

@@ -213,7 +213,8 @@ mod tests {
             subject.with(|specimen| levels(specimen, body(&grown), &Quiet)).unwrap().notes
         };
         let wanted = [("triangles", "6000"), ("lod_form", "branch-card")];
-        let said = |notes: &[String]| notes.iter().filter(|note| note.starts_with("lod_form: level 1 ")).count();
+        let said =
+            |notes: &[String]| notes.iter().filter(|note| note.starts_with("lod_form: level 1 ")).count();
         assert_eq!(said(&notes(&wanted)), 0);
         let bare = [("leaf_keep", "0"), ("fruit.leaf_keep", "0"), ("blossom.leaf_keep", "0")];
         assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 1);
