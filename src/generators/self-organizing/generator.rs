@@ -181,7 +181,8 @@ impl Settings for SelfOrganizing {
         let feet: Vec<Vec3> = feet.collect();
         let barriers = Barriers::new(self, task.inputs, monitor)?;
         let grown = grow_among(self, &feet, &barriers, task.key().named("self-organizing"), monitor)?;
-        let note = || format!("{} of {} trees died in the shade of others", grown.died, feet.len());
+        let shade = if barriers.is_empty() { "of others" } else { "of others or of obstacles" };
+        let note = || format!("{} of {} trees died in the shade {shade}", grown.died, feet.len());
         let mut notes = barriers.notes.clone();
         notes.extend((grown.died > 0).then(note));
         let barred =

@@ -251,8 +251,27 @@ impl<'a> Growth<'a> {
         Ok(())
     }
 
+    /// Takes out the seedlings of a stand that never sprouted, where any did.
+    fn drop_seedlings(&mut self) {
+        let nodes = &mut self.nodes;
+        let mut has_sprouted = vec![false; nodes.len()];
+        for &parent in nodes.parents.iter().filter(|&&parent| parent != NO_PARENT) {
+            has_sprouted[parent as usize] = true;
+        }
+        let seedlings: Vec<usize> =
+            (0..nodes.len()).filter(|&node| nodes.is_foot(node) && !has_sprouted[node]).collect();
+        if seedlings.is_empty() || seedlings.len() == nodes.len() {
+            return;
+        }
+        for node in seedlings {
+            nodes.flags[node] |= SHED;
+        }
+        nodes.compact();
+    }
+
     /// The trees in metres.
-    pub fn finish(self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
+    pub fn finish(mut self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
+        self.drop_seedlings();
         let Self { settings, barriers, nodes, shed, .. } = self;
         monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
         let pipes = nodes.pipes();

@@ -176,6 +176,20 @@ fn below_a_roof_next_to_nothing_grows() {
 }
 
 #[test]
+fn seedlings_in_the_dark_are_no_trees() {
+    let settings = settings(LightModel::Sky, vec![wall([2.0, 0.3, 2.0], [5.0, 0.3, 0.0])]);
+    let barriers = Barriers::new(&settings, &Inputs::new(), &Quiet).unwrap();
+    let feet = [Vec3::ZERO, Vec3::X * 5.0, Vec3::Z * 5.0];
+    let grown = grow_among(&settings, &feet, &barriers, Key::new(1), &Quiet).unwrap();
+    assert_eq!(grown.died, 1);
+    let parents = &grown.branching.parents;
+    assert_eq!(parents.iter().filter(|&&parent| parent == NO_PARENT).count(), 2);
+    assert!(
+        (0..parents.len()).all(|node| { parents[node] != NO_PARENT || parents.contains(&(node as u32)) })
+    );
+}
+
+#[test]
 fn refusals_say_which_obstacle_and_what_to_do() {
     let refused = |obstacle: Obstacle, inputs: &Inputs| {
         let settings = settings(LightModel::Sky, vec![wall([1.0; 3], [9.0, 0.0, 0.0]), obstacle]);

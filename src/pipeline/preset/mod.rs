@@ -194,7 +194,9 @@ impl Preset {
     /// Whether something stands in the tree's way or takes light from it.
     pub fn has_obstructions(&self) -> bool {
         let is_one = |part: &CrownPart| matches!(part.role, Role::Obstacle | Role::Shade);
+        let by_light = self.settings::<SelfOrganizing>();
         self.settings::<Colonization>().is_some_and(|settings| settings.parts.iter().any(is_one))
+            || by_light.is_some_and(|settings| !settings.obstacles.is_empty())
     }
 
     /// The key of what radii draw.
