@@ -112,7 +112,8 @@ fn a_thin_wall_is_not_grown_through_and_the_tree_is_narrower_there() {
                 (0..4).map(|seed| grown(&settings, &Inputs::new(), seed).branching).collect();
             of
         };
-        let (free, walled, other) = (trees(&[]), trees(&[wide.clone()]), trees(&[turned.clone()]));
+        let (free, walled, other) =
+            (trees(&[]), trees(std::slice::from_ref(&wide)), trees(std::slice::from_ref(&turned)));
         let in_wall = |p: DVec3| p.x > 0.9 + 1e-4 && p.x < 1.1 - 1e-4 && p.y < 8.0 && p.z.abs() < 6.0;
         let entered = |trees: &[Branching]| trees.iter().flat_map(places).filter(|&p| in_wall(p)).count();
         assert!(entered(&free) > 100, "{light:?}");
