@@ -236,11 +236,11 @@ impl<'a> Reader<'a> {
         let shown = path.map_or_else(|| shown(source), show);
         let reading = || format!("reading {shown}");
         let name = file_name(path);
-        if content.is_streamed(&name).with_context(reading)? {
-            return self.grown_into(Preset::of_points(&id_from(&name), &name), &name, content, &shown);
-        }
         match content.recipe(self.monitor).with_context(reading)? {
             Some(json) => self.recipe(path, &shown, &json),
+            None if content.is_streamed(&name).with_context(reading)? => {
+                self.grown_into(Preset::of_points(&id_from(&name), &name), &name, content, &shown)
+            }
             None => self.read(path, &shown, content.bytes(self.monitor).with_context(reading)?),
         }
     }

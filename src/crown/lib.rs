@@ -182,11 +182,10 @@ impl Shape {
     /// Builds the solid from what was set; the rest takes its default.
     ///
     /// ```
-    /// use linden_crown;
     /// use linden_base::knob::Value;
-    /// let cone = crown::shape("cone")?.of(&[("crown_height", Value::Real(10.0))])?;
+    /// let cone = linden_crown::shape("cone")?.of(&[("crown_height", Value::Real(10.0))])?;
     /// assert!(cone.contains(glam::DVec3::new(0.0, 9.9, 0.0)));
-    /// # Ok::<(), crown::CrownError>(())
+    /// # Ok::<(), linden_crown::CrownError>(())
     /// ```
     ///
     /// # Errors

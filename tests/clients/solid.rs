@@ -17,8 +17,10 @@ fn watertight_wood_is_one_closed_manifold() {
     for (id, features) in [("simple", &features[..]), ("grove", &features[..2]), ("abop-honda-a", &[])] {
         let mut recipe = recipe(builtin(id).unwrap());
         // Fewer branches meet in the same ways.
-        if id == "grove" {
-            recipe.preset.set("points", "600").unwrap();
+        match id {
+            "simple" => recipe.preset.set("points", "200").unwrap(),
+            "grove" => recipe.preset.set("points", "600").unwrap(),
+            _ => {}
         }
         for &(knob, value) in [("junction", "watertight"), ("bark_size", "16")].iter().chain(features) {
             recipe.preset.set(knob, value).unwrap();

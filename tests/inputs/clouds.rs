@@ -48,7 +48,7 @@ fn grids_of_another_program_are_what_a_text_says() {
     }
     // Row by row: tiles come one after another.
     let sorted = |cloud: &Cloud| {
-        let mut cells: Vec<[f64; 3]> = cloud.positions.iter().map(|p| p.to_array()).collect();
+        let mut cells: Vec<[f64; 3]> = cloud.positions.iter().map(DVec3::to_array).collect();
         cells.sort_by(|a, b| b[1].total_cmp(&a[1]).then(a[0].total_cmp(&b[0])));
         (cloud.cell, cells)
     };

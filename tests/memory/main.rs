@@ -157,6 +157,10 @@ fn no_stage_takes_more_than_it_forecast() {
         let (grown, peak, forecast) = measured(input, |monitor| grow(&recipe, monitor));
         compare(&format!("{what}: growing"), peak, forecast, &mut faults);
         let grown = grown.unwrap();
+        // What comes next depends on sizes, surfaces and pictures: of the presets a third shows it.
+        if number % 3 != 0 && number < builtins().len() {
+            continue;
+        }
 
         let (_, peak, forecast) =
             measured(0, |monitor| sweep(&grown.skeleton, &recipe.preset.dressing.tubes, monitor).unwrap());
@@ -166,8 +170,8 @@ fn no_stage_takes_more_than_it_forecast() {
         let (scene, peak, forecast) = measured(held, |monitor| dress(&recipe, &grown, monitor).unwrap());
         compare(&format!("{what}: dressing"), peak, forecast, &mut faults);
 
-        // Drawing depends on sizes alone: of the presets a quarter shows it.
-        if number % 4 == 0 || number >= builtins().len() {
+        // Drawing depends on sizes alone: of these presets a quarter shows it.
+        if number % 12 == 0 || number >= builtins().len() {
             drawing(&what, &grown, &scene, &mut faults);
         }
 

@@ -230,16 +230,7 @@ fn check_header(stream: &mut (impl Read + Seek)) -> Result<(), InputError> {
         return Err(whole("its points begin within its header; it is damaged"));
     }
     let is_compressed = header[104] & 0xc0 != 0;
-    if !is_compressed {
-        // A record of each point, whatever the crate would make room for.
-        let record = little_endian(&header[105..107]);
-        let is_newest = header[25] >= 4;
-        let long = if is_newest { header.get(247..NEWEST).map_or(0, little_endian) } else { 0 };
-        let points = long.max(little_endian(&header[107..111]));
-        if record.saturating_mul(points) > length - start {
-            return Err(whole(&format!("it announces {points} points and has fewer; it is cut off")));
-        }
-    } else {
+    if is_compressed {
         let mut number = |at: u64, bytes: usize| {
             let mut number = [0; 8];
             let is_there = at.checked_add(bytes as u64).is_some_and(|end| end <= length);
@@ -254,6 +245,15 @@ fn check_header(stream: &mut (impl Read + Seek)) -> Result<(), InputError> {
         // A chunk has a byte at least.
         if chunks.is_none_or(|chunks| chunks > length) {
             return Err(whole("its table of chunks is missing or damaged; it may be cut off"));
+        }
+    } else {
+        // A record of each point, whatever the crate would make room for.
+        let record = little_endian(&header[105..107]);
+        let is_newest = header[25] >= 4;
+        let long = if is_newest { header.get(247..NEWEST).map_or(0, little_endian) } else { 0 };
+        let points = long.max(little_endian(&header[107..111]));
+        if record.saturating_mul(points) > length - start {
+            return Err(whole(&format!("it announces {points} points and has fewer; it is cut off")));
         }
     }
     stream.rewind().map_err(failed)

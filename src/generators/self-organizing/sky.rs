@@ -332,7 +332,9 @@ impl Sky {
                 });
             }
             if has_walls {
-                here.iter_mut().for_each(|halves| *halves = (*halves).min(DARK));
+                for halves in &mut here {
+                    *halves = (*halves).min(DARK);
+                }
             }
             let start = asked[..end].partition_point(|&slot| slot < y * level);
             for (passes, &slot) in passes[start..end].iter_mut().zip(&asked[start..end]) {

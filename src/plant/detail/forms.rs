@@ -216,7 +216,7 @@ mod tests {
         let said =
             |notes: &[String]| notes.iter().filter(|note| note.starts_with("lod_form: level 1 ")).count();
         assert_eq!(said(&notes(&wanted)), 0);
-        let bare = [("leaf_keep", "0"), ("fruit.leaf_keep", "0"), ("blossom.leaf_keep", "0")];
+        let bare = [("leaf_keep", "0"), ("fruit.leaf_keep", "0")];
         assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 1);
         assert_eq!(said(&notes(&[&wanted[..1], &bare].concat())), 0, "nobody asked for one");
     }
