@@ -48,20 +48,12 @@ impl Source {
 
 /// Reads SOURCE and turns the knobs.
 pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
-    let mut reader = Reader::new(monitor);
-    let (files, knobs): (Vec<_>, Vec<_>) = set.iter().partition(|(name, _)| is_file_key(name));
-    reader.knobs = knobs.iter().map(|&knob| knob.clone()).collect();
-    for (key, file) in files {
-        reader.give(key, file)?;
-    }
-    let mut recipe = reader.load(source)?;
-    for (name, value) in &knobs {
-        recipe.preset.set(name, value).map_err(usage)?;
-    }
-    if reader.is_bare_grammar && !knobs.iter().any(|(name, _)| name == "segment_length") {
-        reader.notes.push(format!("{}: {UNITS}", shown(source)));
-    }
-    Ok(reader.finish(shown(source), recipe))
+    Reader::new(monitor).resolve(source, set)
+}
+
+/// Reads SOURCE with all points of its files, so that the knob that thins them can still be turned either way.
+pub fn resolve_whole(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Source> {
+    Reader { keeps_points: true, ..Reader::new(monitor) }.resolve(source, &[])
 }
 
 /// What a grammar without a preset does not say.
@@ -162,6 +154,8 @@ struct Reader<'a> {
     given: Vec<(String, String, Input)>,
     /// Knobs that the user turns, of which some say how files are read.
     knobs: Vec<(String, String)>,
+    /// Whether all points are kept, whatever the knobs say.
+    keeps_points: bool,
     provenance: Option<Provenance>,
     notes: Vec<String>,
     /// Whether it read a grammar that comes without a preset.
@@ -184,11 +178,29 @@ impl<'a> Reader<'a> {
             monitor,
             given: Vec::new(),
             knobs: Vec::new(),
+            keeps_points: false,
             provenance: None,
             notes: Vec::new(),
             is_bare_grammar: false,
             files: Vec::new(),
         }
+    }
+
+    /// Reads SOURCE and turns the knobs.
+    fn resolve(mut self, source: &Path, set: &[(String, String)]) -> anyhow::Result<Source> {
+        let (files, knobs): (Vec<_>, Vec<_>) = set.iter().partition(|(name, _)| is_file_key(name));
+        self.knobs = knobs.iter().map(|&knob| knob.clone()).collect();
+        for (key, file) in files {
+            self.give(key, file)?;
+        }
+        let mut recipe = self.load(source)?;
+        for (name, value) in &knobs {
+            recipe.preset.set(name, value).map_err(usage)?;
+        }
+        if self.is_bare_grammar && !knobs.iter().any(|(name, _)| name == "segment_length") {
+            self.notes.push(format!("{}: {UNITS}", shown(source)));
+        }
+        Ok(self.finish(shown(source), recipe))
     }
 
     fn finish(self, shown: String, recipe: Recipe) -> Source {
@@ -211,8 +223,11 @@ impl<'a> Reader<'a> {
     /// The sides of the cubes that a preset's points are thinned to, with the knobs that the user turns. What is wrong with
     /// these is said when they are turned.
     fn thinning(&self, preset: &Preset) -> Option<f64> {
+        if self.keeps_points {
+            return None;
+        }
         let mut preset = preset.clone();
-        for (name, value) in self.knobs.iter().filter(|(name, _)| name == "thin") {
+        for (name, value) in &self.knobs {
             let _ = preset.set(name, value);
         }
         preset.generator.thinning()
@@ -458,4 +473,34 @@ pub fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
 fn id_from(name: &str) -> String {
     let stem = Path::new(name).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     if stem.is_empty() { "tree".to_owned() } else { stem }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden::recipe::Geometry;
+
+    use super::*;
+    use crate::source::forest::AnySource;
+
+    #[test]
+    fn points_are_thinned_as_the_user_says_and_kept_where_the_knob_can_be_turned() {
+        let folder = tempfile::tempdir().unwrap();
+        let points: Vec<String> = (0..100).map(|i| format!("0 0 {}", 0.01 * f64::from(i))).collect();
+        std::fs::write(folder.path().join("stem.xyz"), points.join("\n")).unwrap();
+        let preset = folder.path().join("stem.toml");
+        std::fs::write(&preset, "id = \"stem\"\n[scan]\nfile = \"stem.xyz\"\nthin = 0.05\n").unwrap();
+        let kept = |recipe: &Recipe| match &recipe.input("stem.xyz").unwrap().geometry {
+            Geometry::Points(cloud) => (cloud.positions.len(), cloud.thinned.map(|thinned| thinned.cube)),
+            _ => panic!("no points"),
+        };
+        let set = |thin: &str| [("thin".to_owned(), thin.to_owned())];
+        assert_eq!(kept(&resolve(&preset, &[], &linden::Quiet).unwrap().recipe).1, Some(0.05));
+        assert_eq!(kept(&resolve(&preset, &set("0.2"), &linden::Quiet).unwrap().recipe), (5, Some(0.2)));
+        assert_eq!(kept(&resolve(&preset, &set("0"), &linden::Quiet).unwrap().recipe), (100, None));
+        // The workbench turns it afterwards.
+        let AnySource::Tree(opened) = AnySource::read(&preset, &linden::Quiet).unwrap() else {
+            panic!("a forest")
+        };
+        assert_eq!(kept(&opened.recipe), (100, None));
+    }
 }

@@ -36,14 +36,14 @@ pub enum AnySource {
 }
 
 impl AnySource {
-    /// Reads a source: a forest, or else a tree.
+    /// Reads a source: a forest, or else a tree with all points of its files.
     pub fn read(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Self> {
         if let Some(named) = source.to_str()
             && let Some(file) = ForestFile::find(named, monitor)?
         {
             return Ok(Self::Forest(Box::new(file.resolve(monitor)?)));
         }
-        Ok(Self::Tree(Box::new(super::resolve(source, &[], monitor)?)))
+        Ok(Self::Tree(Box::new(super::resolve_whole(source, monitor)?)))
     }
 }
 

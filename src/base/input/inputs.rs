@@ -271,6 +271,7 @@ impl Input {
 
 /// Bytes of a stream that are held at once.
 const STREAMED_AT_ONCE: usize = 1 << 18;
+
 /// What a file with this opening is, if points are streamed from such files.
 fn streamed_kind(name: &str, opening: &[u8]) -> Option<InputKind> {
     // Up to the last whole line, as long as the text is not cut within it.

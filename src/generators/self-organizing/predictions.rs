@@ -459,7 +459,6 @@ fn under_the_sky_trees_that_others_overtop_die_and_free_ones_do_not() {
         grown.died
     };
     let died = [0.2, 0.4, 6.0].map(|spacing_m| stand(spacing_m, &settings));
-    println!("{died:?}");
     assert!(died[0] > 0 && died[1] > 0 && died[2] == 0, "{died:?}");
     assert_eq!(
         stand(0.2, &SelfOrganizing { shed: 0.0, ..settings }),
