@@ -12,7 +12,7 @@ pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {
     if is_mossy { bare_bytes(recipe) + mossy_bytes(recipe) } else { bare_bytes(recipe) }
 }
 
-/// Those of bark with moss: one as large as the bark's own, two of a quarter of its pixels.
+/// Those of bark with moss: one as large as the bark's own, three of a quarter of its pixels.
 fn mossy_bytes(recipe: &Recipe) -> u64 {
     let look = &recipe.preset.dressing.bark;
     let color = look.picture.as_ref().map_or_else(
@@ -25,8 +25,8 @@ fn mossy_bytes(recipe: &Recipe) -> u64 {
     (MOSSY * color as f64) as u64
 }
 
-/// All three pictures of moss, in bytes a pixel of the bark's own: between a beech, whose bark is plain, and an ash.
-const MOSSY: f64 = 2.05;
+/// All four pictures of moss, in bytes a pixel of the bark's own: between a beech, whose bark is plain, and an ash.
+const MOSSY: f64 = 2.2;
 
 /// Both pictures of a bark without moss.
 fn bare_bytes(recipe: &Recipe) -> u64 {

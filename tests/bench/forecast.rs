@@ -18,7 +18,7 @@ use linden_tests::presets::recipe;
 /// Larger ones, and other seeds, than the presets have.
 const TURNED: [(&str, &[(&str, &str)]); 12] = [
     ("abop-a", &[("derivations", "8")]),
-    ("wild-cherry", &[("seed", "31"), ("derivations", "14")]),
+    ("wild-cherry", &[("seed", "31"), ("years", "24")]),
     ("fir", &[("points", "200000")]),
     ("sphere", &[("points", "1000000"), ("sides", "3")]),
     ("drawn-oak", &[("points", "60000"), ("seed", "5")]),

@@ -81,7 +81,7 @@ fn larger_trees_are_forecast_from_a_sample() {
         ("abop-bush", &[("derivations", "9")]),
         ("older-shrub", &[("stems", "60")]),
         ("weeping-willow", &[("seed", "4"), ("leaves_per_m", "400")]),
-        ("wild-cherry", &[("seed", "31"), ("derivations", "14")]),
+        ("wild-cherry", &[("seed", "31"), ("years", "24")]),
         ("norway-spruce", &[("seed", "5"), ("derivations", "26")]),
         ("scots-pine", &[("seed", "6")]),
         ("fir", &[("points", "60000")]),

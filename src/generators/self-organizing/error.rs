@@ -7,7 +7,7 @@ use linden_crown::envelope::EnvelopeError;
 use linden_skeleton::generator::GeneratorError;
 
 /// Within so many internodes of the origin trees may stand: about what single precision tells apart.
-pub(crate) const FARTHEST: f32 = 100_000.0;
+pub(crate) const FARTHEST: f64 = 100_000.0;
 
 /// Why no tree grew.
 #[derive(Clone, Debug, thiserror::Error)]

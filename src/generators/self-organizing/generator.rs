@@ -16,7 +16,7 @@ use linden_skeleton::{AxisRule, Wood};
 
 use crate::obstacle::Obstacle;
 use crate::sample::FirstTrees;
-use crate::{Barriers, SelfOrganizing, grow_among, obstacle, stand};
+use crate::{Barriers, Neighbour, Planted, SelfOrganizing, grow_among, obstacle, stand};
 
 /// Trees whose buds compete for light.
 pub const GENERATOR: &dyn Generator = &SelfOrganizingTrees;
@@ -96,7 +96,7 @@ impl Settings for SelfOrganizing {
     }
 
     fn written(&self) -> Vec<(&'static str, Written)> {
-        let trees: Vec<_> = self.stand.iter().copied().map(stand::written).collect();
+        let trees: Vec<_> = self.stand.iter().map(Neighbour::written).collect();
         let obstacles: Vec<_> = self.obstacles.iter().map(Obstacle::written).collect();
         let all = [(stand::TREE, trees), (obstacle::OBSTACLE, obstacles)].into_iter();
         all.filter(|(_, tables)| !tables.is_empty()).map(|(key, all)| (key, Written::Tables(all))).collect()
@@ -120,7 +120,7 @@ impl Settings for SelfOrganizing {
     }
 
     fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
-        let tree = |(number, [x, z]): (usize, &[f64; 2])| format!("{number} at {x}, {z}");
+        let tree = |(number, tree): (usize, &Neighbour)| format!("{number} {}", tree.describe());
         let more = self.stand.len().saturating_sub(MOST_TOLD);
         let trees = (2..).zip(&self.stand).take(MOST_TOLD).map(tree);
         let trees = trees.chain((more > 0).then(|| format!("and {more} more"))).collect();
@@ -176,13 +176,18 @@ impl Settings for SelfOrganizing {
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        let feet =
-            [Vec3::ZERO].into_iter().chain(self.stand.iter().map(|&[x, z]| DVec3::new(x, 0.0, z).as_vec3()));
-        let feet: Vec<Vec3> = feet.collect();
+        let neighbour = |&Neighbour { at: [x, z], felled_in }: &Neighbour| Planted {
+            foot: DVec3::new(x, 0.0, z).as_vec3(),
+            felled_in,
+        };
+        let trees: Vec<Planted> =
+            [Planted::default()].into_iter().chain(self.stand.iter().map(neighbour)).collect();
         let barriers = Barriers::new(self, task.inputs, monitor)?;
-        let grown = grow_among(self, &feet, &barriers, task.key().named("self-organizing"), monitor)?;
+        let grown = grow_among(self, &trees, &barriers, task.key().named("self-organizing"), monitor)?;
         let shade = if barriers.is_empty() { "of others" } else { "of others or of obstacles" };
-        let note = || format!("{} of {} trees died in the shade {shade}", grown.died, feet.len());
+        let what = if self.stems == 1 { "trees" } else { "stems" };
+        let all = trees.len() * self.stems as usize;
+        let note = || format!("{} of {all} {what} died in the shade {shade}", grown.died);
         let mut notes = barriers.notes.clone();
         notes.extend((grown.died > 0).then(note));
         let barred =
@@ -243,6 +248,7 @@ mod tests {
         let base = SelfOrganizing { years: 16, shed: 0.3, shed_patience: 1, ..SelfOrganizing::default() };
         let plain = hash(&base);
         for (knob, text) in [
+            ("stems", "3"),
             ("years", "15"),
             ("internode", "0.2"),
             ("vigor", "2.2"),
@@ -280,6 +286,13 @@ mod tests {
             (field.write)(&mut settings, field.knob.kind.parse(text).unwrap());
             assert_ne!(hash(&settings), plain, "{knob}");
         }
+        let shrub = SelfOrganizing { stems: 4, ..base.clone() };
+        for other in [
+            SelfOrganizing { stool_m: 0.5, ..shrub.clone() },
+            SelfOrganizing { stem_lean_deg: 5.0, ..shrub.clone() },
+        ] {
+            assert_ne!(hash(&other), hash(&shrub), "{other:?}");
+        }
         let priority = SelfOrganizing { sharing: crate::Sharing::Priority, ..base.clone() };
         for other in [
             SelfOrganizing { priority_least: 0.1, ..priority.clone() },
@@ -307,6 +320,8 @@ mod tests {
         assert!(["shade_falloff", "shade_depth"].iter().all(|knob| idle.why_idle(knob).is_some()));
         assert_eq!(hash(&idle), hash(&sky));
         let idle = SelfOrganizing {
+            stool_m: 1.0,
+            stem_lean_deg: 5.0,
             whorl: 3,
             leaf_years: 1,
             priority_share: 1.0,

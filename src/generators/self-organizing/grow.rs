@@ -1,6 +1,6 @@
 //! The years of a tree, or of trees that stand together.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec3};
 use linden_base::monitor::{Monitor, Phase};
 use linden_base::random::Key;
 use linden_skeleton::{Branching, Edge, NO_PARENT};
@@ -12,6 +12,7 @@ use crate::shadow::Change;
 use crate::share::Shares;
 use crate::shed::shed;
 use crate::shoot::{Shoot, across, internodes};
+use crate::stool::{self, Stem};
 use crate::sums::Sums;
 use crate::tree::{APEX, LATERAL, NODE_BYTES, Node, Nodes, SHED};
 use crate::{SelfOrganizing, SelfOrganizingError};
@@ -26,8 +27,17 @@ pub struct Grown {
     pub branching: Branching,
     /// Nodes of branches and trees that were shed.
     pub shed: u64,
-    /// Trees that died for want of light, of which nothing is left.
+    /// Stems that died for want of light, of which nothing is left; a tree has [`SelfOrganizing::stems`].
     pub died: usize,
+}
+
+/// A tree that is to grow.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Planted {
+    /// Where it stands, metres, y = 0.
+    pub foot: Vec3,
+    /// The year in which it is felled, before anything grows; 0: never.
+    pub felled_in: u32,
 }
 
 impl Grown {
@@ -75,46 +85,70 @@ pub fn grow_stand(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Grown, SelfOrganizingError> {
-    grow_among(settings, feet, &Barriers::default(), key, monitor)
+    let trees: Vec<Planted> = feet.iter().map(|&foot| Planted { foot, felled_in: 0 }).collect();
+    grow_among(settings, &trees, &Barriers::default(), key, monitor)
 }
 
-/// As [`grow_stand`], among solids that nothing grows into and that take the light.
+/// As [`grow_stand`], among solids that nothing grows into and that take the light. Trees may be felled: from then on
+/// their light is the others'.
 ///
 /// # Errors
 /// As [`grow`], and a foot in a solid.
 pub fn grow_among(
     settings: &SelfOrganizing,
-    feet: &[Vec3],
+    trees: &[Planted],
     barriers: &Barriers,
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Grown, SelfOrganizingError> {
-    let farthest = FARTHEST * settings.internode_m as f32;
-    for (number, &Vec3 { x, y, z }) in feet.iter().enumerate() {
-        if y != 0.0 || !(x.abs() <= farthest && z.abs() <= farthest) {
-            return Err(SelfOrganizingError::Foot { number, x, y, z });
-        }
-        // The ground may be the base of a solid.
-        let above = DVec3::new(x.into(), 0.5 * settings.internode_m, z.into());
-        if barriers.hold(above) {
-            return Err(SelfOrganizingError::FootInside { number, x, z });
-        }
-    }
+    let stems = stems_on(settings, trees, barriers, key)?;
     let mut growth = Growth { barriers, ..Growth::new(settings) };
-    growth.light.stand_behind(barriers, settings, feet, monitor)?;
-    for (number, foot) in (0..).zip(feet) {
-        let key = key.child(number);
-        let turn = key.named("turn").on_circle();
-        growth.plant(foot.as_dvec3() / settings.internode_m + CENTRE, DVec3::new(turn.x, 0.0, turn.y), key);
+    let places: Vec<Vec3> = stems.iter().map(|(stem, _)| in_space(stem.foot).as_vec3()).collect();
+    growth.light.stand_behind(barriers, settings, &places, monitor)?;
+    for (stem, felled_in) in &stems {
+        growth.fellings.extend((*felled_in > 0).then_some((*felled_in, stem.key)));
+        let turn = in_space(stem.key.named("turn").on_circle());
+        growth.plant(in_space(stem.foot) / settings.internode_m + CENTRE, stem.direction, turn, stem.key);
     }
     let years = settings.years_grown();
     while growth.year < years {
         growth.grow_year(monitor)?;
         monitor.advance(Phase::Age, growth.year.into(), Some(years.into()));
     }
+    let felled = growth.felled;
     let grown = growth.finish(monitor)?;
     let standing = grown.branching.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
-    Ok(Grown { died: feet.len() - standing, ..grown })
+    Ok(Grown { died: stems.len() - standing - felled, ..grown })
+}
+
+/// The stems of all trees, each outside of all solids, and when they are felled.
+fn stems_on(
+    settings: &SelfOrganizing,
+    trees: &[Planted],
+    barriers: &Barriers,
+    key: Key,
+) -> Result<Vec<(Stem, u32)>, SelfOrganizingError> {
+    let farthest = FARTHEST * settings.internode_m;
+    let mut all = Vec::with_capacity(trees.len() * settings.stems as usize);
+    for (number, &Planted { foot: Vec3 { x, y, z }, felled_in }) in trees.iter().enumerate() {
+        for stem in stool::stems(settings, DVec2::new(x.into(), z.into()), key.child(number as u64)) {
+            let DVec2 { x, y: z } = stem.foot;
+            if y != 0.0 || !(x.abs() <= farthest && z.abs() <= farthest) {
+                return Err(SelfOrganizingError::Foot { number, x: x as f32, y, z: z as f32 });
+            }
+            // The ground may be the base of a solid.
+            if barriers.hold(DVec3::new(x, 0.5 * settings.internode_m, z)) {
+                return Err(SelfOrganizingError::FootInside { number, x: x as f32, z: z as f32 });
+            }
+            all.push((stem, felled_in));
+        }
+    }
+    Ok(all)
+}
+
+/// A place on the ground.
+fn in_space(place: DVec2) -> DVec3 {
+    DVec3::new(place.x, 0.0, place.y)
 }
 
 /// A foot at the origin is in the middle of its voxel, so that shade falls evenly about it.
@@ -129,6 +163,10 @@ pub(crate) struct Growth<'a> {
     /// The last one that passed.
     pub year: u32,
     pub shed: u64,
+    /// The year in which a stem is felled, and the key of its foot.
+    fellings: Vec<(u32, Key)>,
+    /// Stems that were felled.
+    felled: usize,
 }
 
 impl<'a> Growth<'a> {
@@ -136,12 +174,12 @@ impl<'a> Growth<'a> {
         /// In the open.
         static NONE: Barriers = Barriers::none();
         let (nodes, light) = (Nodes::default(), Light::new(settings));
-        Self { settings, barriers: &NONE, nodes, light, year: 0, shed: 0 }
+        let fellings = Vec::new();
+        Self { settings, barriers: &NONE, nodes, light, year: 0, shed: 0, fellings, felled: 0 }
     }
 
-    /// Adds a seedling: a foot, in voxels, whose apex looks up, and the side of its first bud.
-    pub fn plant(&mut self, place: DVec3, side: DVec3, key: Key) {
-        let direction = DVec3::Y;
+    /// Adds a seedling: a foot, in voxels, where its apex looks, and the side of its first bud.
+    pub fn plant(&mut self, place: DVec3, direction: DVec3, side: DVec3, key: Key) {
         let side = across(side, direction);
         let (parent, birth, order, flags, buds) = (NO_PARENT, 0, 0, APEX, 0);
         self.nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
@@ -156,6 +194,7 @@ impl<'a> Growth<'a> {
         let sums = Sums::new(&self.nodes, &self.light);
         let shares = Shares::new(&self.nodes, &sums, self.settings, self.year);
         let bole = self.nodes.bole(self.settings);
+        self.fell();
         let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year, bole);
         let shoots = self.shoots(&shares);
         self.admit(&shoots, shed_nodes, monitor)?;
@@ -174,6 +213,22 @@ impl<'a> Growth<'a> {
             self.bend(monitor)?;
         }
         Ok(())
+    }
+
+    /// Marks the feet of what is felled this year.
+    fn fell(&mut self) {
+        let now: Vec<Key> =
+            self.fellings.iter().filter(|(year, _)| *year == self.year).map(|(_, key)| *key).collect();
+        if now.is_empty() {
+            return;
+        }
+        for foot in 0..self.nodes.len() {
+            // What died before is not there any more.
+            if self.nodes.is_foot(foot) && now.contains(&self.nodes.keys[foot]) {
+                self.nodes.flags[foot] |= SHED;
+                self.felled += 1;
+            }
+        }
     }
 
     /// A bud may grow in the year after its shoot, and waits for some more.

@@ -4,6 +4,7 @@ use linden_base::field;
 use linden_base::knob::{Field, Kind, integer, real, real_or_auto};
 use linden_skeleton::generator::Steps;
 
+use crate::stool::MOST_STEMS;
 use crate::tree::MOST_BUDS;
 use crate::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
 
@@ -42,6 +43,35 @@ impl SelfOrganizing {
                  old; one year is the least."
             ),
             see_also(&["years"])
+        ),
+        field!(
+            "stems",
+            integer(1, MOST_STEMS as u64),
+            "stems",
+            "stems that rise from one stool and take each other's light: more than 1 for a shrub",
+            stems,
+            details(
+                "Each has random choices of its own. Where shed is above 0 those that stay in the dark die, a crowded \
+                 stool thins itself, and what died is said."
+            ),
+            see_also(&["stool", "stem_lean", "shed"])
+        ),
+        field!(
+            "stool",
+            real(0.0, 100.0),
+            "m",
+            "radius of the stool that the stems of a shrub rise from",
+            stool_m,
+            see_also(&["stems", "stem_lean"])
+        ),
+        field!(
+            "stem_lean",
+            real(0.0, 85.0),
+            "degrees",
+            "how far the stems at the edge of the stool lean outwards at their feet; the inner ones less",
+            stem_lean_deg,
+            details("A quarter more or less by chance. With upward above 0 they rise further up."),
+            see_also(&["stems", "stool", "upward"])
         ),
         field!(
             "internode",
@@ -418,6 +448,9 @@ impl SelfOrganizing {
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
             "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "stool" | "stem_lean" if self.stems == 1 => {
+                Some("stems is 1: the stem stands upright on its foot")
+            }
             "bole" if self.max_order == 0 => Some("max_order is 0: there are no branches"),
             "leaf_weight" if self.sag == 0.0 => Some("sag is 0"),
             "shade_falloff" | "shade_depth" | "light_from" | "light_pull" | "leaf_years"

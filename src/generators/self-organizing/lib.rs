@@ -58,6 +58,7 @@ mod shed;
 mod shoot;
 mod sky;
 mod stand;
+mod stool;
 mod sums;
 mod tree;
 #[cfg(test)]
@@ -66,8 +67,8 @@ mod wall_predictions;
 pub use barriers::Barriers;
 pub use error::{ObstacleError, SelfOrganizingError};
 pub use generator::GENERATOR;
-pub use grow::{Grown, grow, grow_among, grow_stand};
+pub use grow::{Grown, Planted, grow, grow_among, grow_stand};
 pub use knobs::MOST_NODES;
 pub use obstacle::{MOST_OBSTACLES, Obstacle, ObstacleSolid};
 pub use settings::{LightModel, MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
-pub use stand::MOST_TREES;
+pub use stand::{MOST_TREES, Neighbour};

@@ -13,7 +13,10 @@ use crate::shadow::{LightGrid, Shadow};
 use crate::share::Shares;
 use crate::sums::Sums;
 use crate::tree::{APEX, LATERAL};
-use crate::{Grown, LightModel, Phyllotaxis, SelfOrganizing, SelfOrganizingError, Sharing, grow, grow_stand};
+use crate::{
+    Barriers, Grown, LightModel, Phyllotaxis, Planted, SelfOrganizing, SelfOrganizingError, Sharing, grow,
+    grow_among, grow_stand,
+};
 
 /// The settings of most measurements.
 fn measured() -> SelfOrganizing {
@@ -40,7 +43,7 @@ fn height_m(grown: &Grown) -> f64 {
 /// Grows a seedling at a place, in voxels, year by year.
 fn seedling(settings: &SelfOrganizing, place: DVec3, side: DVec3) -> Growth<'_> {
     let mut growth = Growth::new(settings);
-    growth.plant(place, side, Key::new(5));
+    growth.plant(place, DVec3::Y, side, Key::new(5));
     growth
 }
 
@@ -315,7 +318,7 @@ fn what_shades_never_brightens_and_trees_keep_out_of_the_dark() {
             .grid
             .add_box([-120, 0, -120], [-1, 240, 120], FULL_LIGHT * 6 / 10, &Quiet)
             .unwrap();
-        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::X, Key::new(seed));
+        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::Y, DVec3::X, Key::new(seed));
         (0..20).for_each(|_| growth.grow_year(&Quiet).unwrap());
         let in_dark = growth.nodes.places.iter().filter(|place| place.x < 0.0).count();
         dark += in_dark;
@@ -465,4 +468,51 @@ fn under_the_sky_trees_that_others_overtop_die_and_free_ones_do_not() {
         0,
         "where nothing is shed, nothing dies"
     );
+}
+
+/// Trees about one that are felled when they are ten years old.
+fn cleared(years: u32, felled_in: u32, settings: &SelfOrganizing) -> Grown {
+    let settings = SelfOrganizing { years, ..settings.clone() };
+    let at = |i: i32| (i - 1) as f32 * 1.2;
+    let around = (0..9).filter(|&i| i != 4).map(|i| Vec3::new(at(i % 3), 0.0, at(i / 3)));
+    let around = around.map(|foot| Planted { foot, felled_in });
+    let trees: Vec<Planted> = [Planted::default()].into_iter().chain(around).collect();
+    grow_among(&settings, &trees, &Barriers::default(), Key::new(6), &Quiet).unwrap()
+}
+
+#[test]
+fn a_tree_spreads_where_its_neighbours_were_felled() {
+    let first = |grown: &Grown| -> Vec<Vec3> {
+        let of = trees_of(&grown.branching);
+        of.iter()
+            .zip(&grown.branching.positions)
+            .filter(|(of, _)| of.0 == 0)
+            .map(|(_, place)| *place)
+            .collect()
+    };
+    for light in [LightModel::Shadow, LightModel::Sky] {
+        let shade = if light == LightModel::Sky { 0.3 } else { measured().shade };
+        let settings = SelfOrganizing { light, shade, ..measured() };
+        let trees = |grown: &Grown| grown.branching.parents.iter().filter(|&&p| p == NO_PARENT).count();
+        // Up to the year of the felling nobody knows of it.
+        let (stand, before) = (cleared(9, 0, &settings), cleared(9, 10, &settings));
+        assert_eq!((stand.branching.positions.len(), trees(&before)), (before.branching.positions.len(), 9));
+        assert_eq!(stand.branching.positions, before.branching.positions);
+        // In that year one stands, and what lies there is no death of shade.
+        let after = cleared(10, 10, &settings);
+        assert_eq!((trees(&after), after.died), (1, 0));
+        let alone = grow(&SelfOrganizing { years: 20, ..settings.clone() }, Key::new(6), &Quiet).unwrap();
+        let [stand, cleared] = [0, 10].map(|felled_in| first(&cleared(20, felled_in, &settings)));
+        let spread = |places: &[Vec3]| {
+            places.iter().map(|place| f64::from(place.x.hypot(place.z))).sum::<f64>() / places.len() as f64
+        };
+        assert!(cleared.len() * 2 > 3 * stand.len(), "{light:?}: {} of {}", cleared.len(), stand.len());
+        assert!(
+            spread(&cleared) > 1.1 * spread(&stand),
+            "{light:?}: {} {}",
+            spread(&cleared),
+            spread(&stand)
+        );
+        assert!(cleared.len() < first(&alone).len(), "{light:?}: ten years of shade are not made good");
+    }
 }

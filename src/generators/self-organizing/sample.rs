@@ -4,7 +4,7 @@ use linden_base::input::Inputs;
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleStep, Sampler};
 
-use crate::SelfOrganizing;
+use crate::{Neighbour, SelfOrganizing};
 
 /// Trees of a sample: one with neighbours all about it, where the first of a stand are near each other.
 const TREES: usize = 9;
@@ -18,9 +18,10 @@ pub(crate) struct FirstTrees {
 
 impl FirstTrees {
     pub fn new(settings: &SelfOrganizing) -> Self {
-        let trees = 1 + settings.stand.len();
-        let stand = settings.stand.iter().copied().take(TREES - 1).collect();
-        let times = trees as f64 / trees.min(TREES) as f64;
+        let years = settings.years_grown();
+        let standing = |stand: &[Neighbour]| 1 + stand.iter().filter(|tree| tree.stands_after(years)).count();
+        let stand: Vec<Neighbour> = settings.stand.iter().copied().take(TREES - 1).collect();
+        let times = standing(&settings.stand) as f64 / standing(&stand) as f64;
         Self { settings: Some(SelfOrganizing { stand, ..settings.clone() }), times }
     }
 }

@@ -3,6 +3,7 @@
 use linden_base::words;
 
 use crate::obstacle::Obstacle;
+use crate::stand::Neighbour;
 
 /// The deepest order of axes.
 pub const MAX_ORDERS: u32 = 16;
@@ -46,11 +47,16 @@ words! {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SelfOrganizing {
-    /// Where further trees stand, x and z in metres: they grow with the first one, which stands at the origin, and
-    /// all take each other's light.
-    pub stand: Vec<[f64; 2]>,
+    /// Further trees: they grow with the first one, which stands at the origin, and all take each other's light.
+    pub stand: Vec<Neighbour>,
     /// Solids that nothing grows into, and that take the light.
     pub obstacles: Vec<Obstacle>,
+    /// Stems of each tree: more than one for a shrub.
+    pub stems: u32,
+    /// Radius of the stool that the stems of a shrub rise from, metres.
+    pub stool_m: f64,
+    /// How far the stems at the edge of the stool lean outwards, degrees from upright.
+    pub stem_lean_deg: f64,
     /// Years that the tree grows.
     pub years: u32,
     /// The share of them that it has behind it.
@@ -156,6 +162,9 @@ impl Default for SelfOrganizing {
         Self {
             stand: Vec::new(),
             obstacles: Vec::new(),
+            stems: 1,
+            stool_m: 0.25,
+            stem_lean_deg: 20.0,
             years: 20,
             age: 1.0,
             internode_m: 0.1,

@@ -21,9 +21,12 @@ const OF_A_TREE: f64 = 0.5;
 /// Where several trees stand, one dies, its foot included, when it gets no light at all, or for as long less than
 /// [`OF_A_TREE`] of what a branch must have. A lone tree stays whatever its light.
 ///
+/// A foot that is marked already takes its tree with it: it is felled.
+///
 /// A branch that begins below the height of the bole, in internodes, is cut off whatever its light.
 pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> usize {
-    if settings.shed == 0.0 && bole == 0.0 {
+    let is_felled = |node| nodes.is_foot(node) && nodes.is(node, SHED);
+    if settings.shed == 0.0 && bole == 0.0 && !(0..nodes.len()).any(is_felled) {
         return 0;
     }
     let is_stand = nodes.parents.iter().filter(|&&parent| parent == NO_PARENT).nth(1).is_some();
@@ -31,6 +34,10 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
     let mut pipes = Vec::new();
     for node in 0..nodes.len() {
         if nodes.is_foot(node) {
+            if nodes.is(node, SHED) {
+                count += 1;
+                continue;
+            }
             let least = OF_A_TREE * settings.shed;
             let is_dark = || sums.total(node) == 0 && settings.shed > 0.0;
             if is_stand && (is_dark() || is_too_dark(nodes, node, sums, settings, least, year)) {
@@ -93,7 +100,7 @@ mod tests {
     /// A foot, a node of its stem and, there, a branch of one node that grew in year 1.
     fn branch(settings: &SelfOrganizing) -> Nodes {
         let mut growth = Growth::new(settings);
-        growth.plant(DVec3::ZERO, DVec3::X, Key::new(1));
+        growth.plant(DVec3::ZERO, DVec3::Y, DVec3::X, Key::new(1));
         let mut nodes = growth.nodes;
         for (parent, flags) in [(0, 0), (1, LATERAL)] {
             let (place, direction, side, key) = (DVec3::Y, DVec3::Y, DVec3::X, Key::new(2));
@@ -141,7 +148,7 @@ mod tests {
         // Each foot bears a node; the second tree gets these parts of full light.
         let dies = |trees: u32, light: f64| {
             let mut growth = Growth::new(&settings);
-            (0..trees).for_each(|i| growth.plant(DVec3::X * f64::from(i), DVec3::X, Key::new(1)));
+            (0..trees).for_each(|i| growth.plant(DVec3::X * f64::from(i), DVec3::Y, DVec3::X, Key::new(1)));
             let mut nodes = growth.nodes;
             for parent in 0..trees {
                 let (place, direction, side, key) = (DVec3::Y, DVec3::Y, DVec3::X, Key::new(2));
@@ -167,7 +174,7 @@ mod tests {
     fn a_stem_never_gets_thinner() {
         let settings = SelfOrganizing { shed: 0.4, shed_patience: 1, ..SelfOrganizing::default() };
         let mut growth = Growth::new(&settings);
-        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::X, Key::new(3));
+        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::Y, DVec3::X, Key::new(3));
         let mut before = 0;
         for _ in 0..25 {
             growth.grow_year(&Quiet).unwrap();

@@ -9,7 +9,7 @@ use linden_growth::Meet;
 use linden_skeleton::{Branching, NO_PARENT, Skeleton, Wood};
 
 use crate::{
-    Barriers, Grown, LightModel, Obstacle, ObstacleSolid, SelfOrganizing, SelfOrganizingError, grow,
+    Barriers, Grown, LightModel, Obstacle, ObstacleSolid, Planted, SelfOrganizing, SelfOrganizingError, grow,
     grow_among,
 };
 
@@ -22,7 +22,7 @@ fn settings(light: LightModel, obstacles: Vec<Obstacle>) -> SelfOrganizing {
 
 fn grown(settings: &SelfOrganizing, inputs: &Inputs, seed: u64) -> Grown {
     let barriers = Barriers::new(settings, inputs, &Quiet).unwrap();
-    grow_among(settings, &[Vec3::ZERO], &barriers, Key::new(seed), &Quiet).unwrap()
+    grow_among(settings, &[Planted::default()], &barriers, Key::new(seed), &Quiet).unwrap()
 }
 
 fn hash(grown: Grown) -> u128 {
@@ -165,7 +165,7 @@ fn below_a_roof_next_to_nothing_grows() {
     for light in LIGHTS {
         let roofed = settings(light, vec![wall([60.0, 0.3, 60.0], [0.0, 0.8, 0.0])]);
         let barriers = Barriers::new(&roofed, &Inputs::new(), &Quiet).unwrap();
-        match grow_among(&roofed, &[Vec3::ZERO], &barriers, Key::new(2), &Quiet) {
+        match grow_among(&roofed, &[Planted::default()], &barriers, Key::new(2), &Quiet) {
             // A pyramid of shade is six internodes deep, and the roof eight high.
             Ok(grown) => assert!(light == LightModel::Shadow && grown.branching.positions.len() < 100),
             Err(refused) => {
@@ -181,7 +181,14 @@ fn seedlings_in_the_dark_are_no_trees() {
     let settings = settings(LightModel::Sky, vec![wall([2.0, 0.3, 2.0], [5.0, 0.3, 0.0])]);
     let barriers = Barriers::new(&settings, &Inputs::new(), &Quiet).unwrap();
     let feet = [Vec3::ZERO, Vec3::X * 5.0, Vec3::Z * 5.0];
-    let grown = grow_among(&settings, &feet, &barriers, Key::new(1), &Quiet).unwrap();
+    let grown = grow_among(
+        &settings,
+        &feet.map(|foot| Planted { foot, felled_in: 0 }),
+        &barriers,
+        Key::new(1),
+        &Quiet,
+    )
+    .unwrap();
     assert_eq!(grown.died, 1);
     let parents = &grown.branching.parents;
     assert_eq!(parents.iter().filter(|&&parent| parent == NO_PARENT).count(), 2);
@@ -196,7 +203,7 @@ fn refusals_say_which_obstacle_and_what_to_do() {
         let settings = settings(LightModel::Sky, vec![wall([1.0; 3], [9.0, 0.0, 0.0]), obstacle]);
         let barriers = Barriers::new(&settings, inputs, &Quiet);
         barriers
-            .and_then(|barriers| grow_among(&settings, &[Vec3::ZERO], &barriers, Key::new(1), &Quiet))
+            .and_then(|barriers| grow_among(&settings, &[Planted::default()], &barriers, Key::new(1), &Quiet))
             .unwrap_err()
     };
     let said = refused(wall([1.0; 3], [0.4, 0.0, 0.0]), &Inputs::new());

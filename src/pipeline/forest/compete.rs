@@ -8,7 +8,7 @@ use super::planned::PlannedTree;
 use super::{ForestKind, Layout};
 use crate::preset::{
     Colonization, CrownPart, GrowthSettings, LSystem, MOST_NODES, MOST_OBSTACLES, MOST_PARTS, MOST_TREES,
-    Obstacle, Role, SelfOrganizing, Solid, Space, WeberPenn,
+    Neighbour, Obstacle, Role, SelfOrganizing, Solid, Space, WeberPenn,
 };
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
@@ -61,11 +61,11 @@ fn by_light(
     }
     let from_first = |place: &Place| {
         let at = (place.position - first.position).as_dvec3() / kind.size;
-        [at.x, at.z]
+        Neighbour::at([at.x, at.z])
     };
     let mut rules = rules.clone();
     rules.stand = others.iter().map(from_first).collect();
-    let beside = |at: &[f64; 2]| rules.obstacles.iter().map(|obstacle| obstacle.beside(*at)).collect();
+    let beside = |tree: &Neighbour| rules.obstacles.iter().map(|obstacle| obstacle.beside(tree.at)).collect();
     let further: Vec<Vec<Obstacle>> = rules.stand.iter().map(beside).collect();
     rules.obstacles.extend(further.into_iter().flatten());
     rules.max_nodes = rules.max_nodes.saturating_mul(stems as u32).min(MOST_NODES);

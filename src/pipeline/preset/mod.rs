@@ -62,7 +62,7 @@ pub use linden_plant::settings::{
 pub use linden_qsm::QsmSettings;
 pub use linden_scan::{ScanRadius, ScanSettings};
 pub use linden_self_organizing::{
-    MOST_NODES, MOST_OBSTACLES, MOST_TREES, Obstacle, ObstacleSolid, SelfOrganizing,
+    MOST_NODES, MOST_OBSTACLES, MOST_TREES, Neighbour, Obstacle, ObstacleSolid, SelfOrganizing,
 };
 pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;

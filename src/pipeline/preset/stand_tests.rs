@@ -1,6 +1,6 @@
 //! `[[self-organizing.tree]]` and `[[self-organizing.obstacle]]` in documents.
 
-use super::{ObstacleSolid, Preset, SelfOrganizing};
+use super::{Neighbour, ObstacleSolid, Preset, SelfOrganizing};
 use linden_growth::Meet;
 
 fn document(trees: &str) -> String {
@@ -9,11 +9,14 @@ fn document(trees: &str) -> String {
 
 #[test]
 fn a_stand_survives_writing_and_reading() {
-    let trees = "[[self-organizing.tree]]\nat = [3, 0, -1.5] # beside it\n[[self-organizing.tree]]\nat = \"-2,0,0.25\"\n";
+    let trees = "[[self-organizing.tree]]\nat = [3, 0, -1.5] # beside it\n[[self-organizing.tree]]\nat = \"-2,0,0.25\"\nfelled = 7\n";
     let text = document(trees);
     let preset = Preset::from_toml(&text).unwrap();
     let stand = |preset: &Preset| preset.settings::<SelfOrganizing>().unwrap().stand.clone();
-    assert_eq!(stand(&preset), [[3.0, -1.5], [-2.0, 0.25]]);
+    let felled = Neighbour { at: [-2.0, 0.25], felled_in: 7 };
+    assert_eq!(stand(&preset), [Neighbour::at([3.0, -1.5]), felled]);
+    let described = preset.generator.describe(&linden_base::input::Inputs::new());
+    assert_eq!(described[0].lines, ["2 at 3, -1.5", "3 at -2, 0.25, felled in year 7"]);
     let written = preset.to_toml().unwrap();
     let again = Preset::from_toml(&written).unwrap_or_else(|fault| panic!("{fault}: {written}"));
     assert_eq!(again, preset);
@@ -38,7 +41,8 @@ fn what_is_wrong_with_a_tree_of_a_stand_is_said_with_its_place() {
         ("[[self-organizing.tree]]\nat = [1, 2]", "5:6", "three numbers"),
         ("[[self-organizing.tree]]\nat = [1, 0, 2e9]", "5:6", "within ±1e9"),
         ("[[self-organizing.tree]]\nat = \"auto\"", "5:6", "'auto' is not"),
-        ("[[self-organizing.tree]]\nta = [1, 0, 3]", "5:1", "no 'ta'; it may have: at"),
+        ("[[self-organizing.tree]]\nta = [1, 0, 3]", "5:1", "no 'ta'; it may have: at, felled"),
+        ("[[self-organizing.tree]]\nat = [1, 0, 3]\nfelled = 1.5", "6:10", "a whole number"),
         ("tree = 3", "4:8", "expected tables, each headed [[self-organizing.tree]]"),
     ] {
         let message = Preset::from_toml(&document(trees)).unwrap_err().to_string();

@@ -59,6 +59,10 @@ pub struct Detail {
     pub card_m: f32,
 }
 
+/// Where nodes may be passed over, wood is smooth from a radius on that is greater by this many times the distance
+/// that its axis may then be off.
+const SMOOTH_FROM: f32 = 20.0;
+
 impl Detail {
     /// Everything that there is.
     pub const fn full(tubes: &Tubes) -> Self {
@@ -198,6 +202,9 @@ impl<'a> Simplifier<'a> {
     /// How a level's wood is swept: roots and stubs go as limbs of their thickness do, and so do buttresses.
     fn tubes(&self, detail: &Detail) -> Tubes {
         let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        if tubes.smooth_radius_m > 0.0 {
+            tubes.smooth_radius_m += SMOOTH_FROM * detail.tolerance_m;
+        }
         tubes.features.flare_smallest_m = detail.smallest_radius_m;
         tubes.features.roots.smallest_m = detail.smallest_radius_m;
         tubes.features.stubs.smallest_m = detail.smallest_radius_m;

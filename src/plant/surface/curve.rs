@@ -4,20 +4,68 @@ use glam::Vec3;
 
 use super::path::Station;
 
-/// Puts `rings - 1` stations between neighbours, evenly in the curve's parameter, on the centripetal
+/// On smooth wood the curve turns by no more than this from ring to ring on average of a segment, radians: 2.5 degrees.
+/// It does not turn evenly; nowhere does it by three times as much, of which no corner is seen.
+const MEAN_TURN: f32 = 0.043_633_23;
+/// What that takes at most: a segment between two nodes where the axis turns by 20 degrees.
+pub(super) const MOST_SMOOTH_RINGS: u32 = 8;
+
+/// How many rings there are between nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Fineness {
+    /// Everywhere.
+    pub rings: u32,
+    /// Wood from this radius on, metres, has as many as its curve needs; 0: none has.
+    pub smooth_radius_m: f32,
+}
+
+impl Fineness {
+    /// The most of a segment of a radius.
+    pub fn most(self, radius_m: f32) -> u32 {
+        let is_smooth = self.smooth_radius_m > 0.0 && radius_m >= self.smooth_radius_m;
+        if is_smooth { self.rings.max(MOST_SMOOTH_RINGS) } else { self.rings }
+    }
+
+    /// Of a segment of a radius at whose ends the axis turns so far, radians.
+    fn of(self, radius_m: f32, turns: impl FnOnce() -> [f32; 2]) -> u32 {
+        let most = self.most(radius_m);
+        if most == self.rings {
+            return self.rings;
+        }
+        // Within a segment the curve takes half of the turn at each end.
+        let [first, last] = turns();
+        let needed = libm::ceilf((first + last) / (2.0 * MEAN_TURN) - 1e-3) as u32;
+        needed.clamp(self.rings, most)
+    }
+}
+
+/// Puts stations between neighbours, evenly in the curve's parameter, on the centripetal
 /// Catmull-Rom spline through all of them (Yuksel, Schaefer & Keyser 2011: of all
 /// parametrisations the one without cusps and loops within a segment). Radii go linearly.
 ///
 /// At its ends the curve leads on straight. Straight axes stay where they are.
-pub(super) fn subdivide(stations: &mut Vec<Station>, rings: u32) {
-    if rings < 2 || stations.len() < 2 {
+pub(super) fn subdivide(stations: &mut Vec<Station>, fineness: Fineness) {
+    let is_fine = |station: &Station| fineness.most(station.radius) > 1;
+    if stations.len() < 2
+        || (fineness.smooth_radius_m == 0.0 && fineness.rings < 2)
+        || !stations.iter().any(is_fine)
+    {
         return;
     }
     let coarse = std::mem::take(stations);
-    stations.reserve(coarse.len() * rings as usize);
+    stations.reserve(coarse.len() * fineness.rings as usize);
+    let way = |i: usize| coarse[i + 1].position - coarse[i].position;
+    let turn = |i: usize| {
+        let is_end = i == 0 || i + 1 == coarse.len();
+        if is_end { 0.0 } else { between(way(i - 1), way(i)) }
+    };
     for (i, pair) in coarse.windows(2).enumerate() {
         let (from, to) = (pair[0], pair[1]);
         stations.push(from);
+        let rings = fineness.of(from.radius.max(to.radius), || [turn(i), turn(i + 1)]);
+        if rings < 2 {
+            continue;
+        }
         let mirrored = |of: Vec3, at: Vec3| at * 2.0 - of;
         let before = if i == 0 { mirrored(to.position, from.position) } else { coarse[i - 1].position };
         let after = coarse.get(i + 2).map_or(mirrored(from.position, to.position), |next| next.position);
@@ -28,6 +76,11 @@ pub(super) fn subdivide(stations: &mut Vec<Station>, rings: u32) {
         }));
     }
     stations.extend(coarse.last());
+}
+
+/// The angle between two ways, radians; 0 where one has no length.
+fn between(a: Vec3, b: Vec3) -> f32 {
+    libm::atan2f(a.cross(b).length(), a.dot(b))
 }
 
 /// The part of the spline between the inner two of four points.
@@ -66,7 +119,7 @@ mod tests {
     fn through(points: &[(f32, f32)], rings: u32) -> Vec<Vec3> {
         let station = |&(x, y): &(f32, f32)| Station::new(Vec3::new(x, y, 0.0), y);
         let mut stations: Vec<Station> = points.iter().map(station).collect();
-        subdivide(&mut stations, rings);
+        subdivide(&mut stations, Fineness { rings, smooth_radius_m: 0.0 });
         stations.iter().map(|station| station.position).collect()
     }
 
@@ -95,5 +148,40 @@ mod tests {
         for p in &fine[4..29] {
             assert!((p.length() - 1.0).abs() < chord * 0.2, "{p}");
         }
+    }
+
+    /// A stem that turns by 20 degrees at its third node and by less at others, as thick as it is told.
+    fn bent(radius_m: f32, fineness: Fineness) -> Vec<Station> {
+        let mut place = Vec3::ZERO;
+        let mut stations = vec![Station::new(place, radius_m)];
+        for degrees in [0.0_f32, 0.0, 20.0, 24.0, 24.0, 24.0] {
+            let (x, y) = libm::sincosf(degrees.to_radians());
+            place += Vec3::new(x, y, 0.0) * 0.3;
+            stations.push(Station::new(place, radius_m));
+        }
+        subdivide(&mut stations, fineness);
+        stations
+    }
+
+    #[test]
+    fn thick_wood_has_rings_where_it_bends_and_no_corner_is_left() {
+        let fineness = Fineness { rings: 1, smooth_radius_m: 0.1 };
+        assert_eq!(bent(0.09, fineness).len(), 7, "thin wood has a ring for each node");
+        let smooth = bent(0.1, fineness);
+        // Half of 20 degrees takes four rings, 12 of them five, half of 4 one; what is straight has none between.
+        assert_eq!(smooth.len(), 7 + 3 + 4);
+        let plain = bent(0.1, Fineness { smooth_radius_m: 0.0, ..fineness });
+        assert!(plain.iter().all(|node| smooth.iter().any(|other| other.position == node.position)));
+        let turn = |stations: &[Station]| {
+            let ways: Vec<Vec3> =
+                stations.windows(2).map(|pair| pair[1].position - pair[0].position).collect();
+            ways.windows(2).map(|pair| pair[0].angle_between(pair[1]).to_degrees()).fold(0.0, f32::max)
+        };
+        assert!(turn(&plain) > 19.0 && turn(&smooth) < 7.5, "{} {}", turn(&plain), turn(&smooth));
+        // No fewer than all wood has, and no more than MOST_SMOOTH_RINGS however it turns.
+        assert_eq!(bent(0.1, Fineness { rings: 4, ..fineness }).len(), 25);
+        let mut hairpin = [0.0, 1.0, 0.0].map(|x| Station::new(Vec3::X * x, 0.2)).to_vec();
+        subdivide(&mut hairpin, fineness);
+        assert_eq!(hairpin.len(), 1 + 2 * MOST_SMOOTH_RINGS as usize);
     }
 }

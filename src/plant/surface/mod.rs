@@ -55,6 +55,8 @@ pub struct Tubes {
     pub sides: u32,
     /// Rings per segment, at least 1: with more, the tube follows a smooth curve through the nodes.
     pub rings: u32,
+    /// Wood from this radius on, metres, has as many rings as its curve needs, so that it has no corners; 0: none has.
+    pub smooth_radius_m: f32,
     /// Length, in radii, over which a change of the radius is spread, above zero or 0 for none: the pipe
     /// model's steps end all at once above a fork, those of wood do not.
     pub width_smoothing: f32,
@@ -95,6 +97,10 @@ impl Tubes {
         }
         tubes
     }
+
+    fn fineness(&self) -> curve::Fineness {
+        curve::Fineness { rings: self.rings, smooth_radius_m: self.smooth_radius_m }
+    }
 }
 
 impl Default for Tubes {
@@ -102,6 +108,7 @@ impl Default for Tubes {
         Self {
             sides: 24,
             rings: 1,
+            smooth_radius_m: 0.0,
             width_smoothing: 2.0,
             bark_tile_m: 0.5,
             features: Features::default(),

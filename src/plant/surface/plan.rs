@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::collar::{Collar, MOST_RINGS};
+use super::curve::Fineness;
 use super::features::{Ends, Flare, taper_twig};
 use super::path::{self, Ring, Station};
 use super::roots::{self, Laid, Stools};
@@ -56,6 +57,14 @@ impl<'a> Course<'a> {
         }
     }
 
+    /// How finely wood follows the curve through its nodes: steps that were asked for have no curve.
+    fn fineness(&self) -> Fineness {
+        match self.skeleton.width_steps {
+            WidthSteps::Taper => self.tubes.fineness(),
+            WidthSteps::Cylinder => Fineness { smooth_radius_m: 0.0, ..self.tubes.fineness() },
+        }
+    }
+
     /// Appends the rings of an axis, and says how they become its tube.
     fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> TubeForm {
         let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
@@ -75,7 +84,7 @@ impl<'a> Course<'a> {
         let is_cut = nodes.last().is_some_and(|apex| self.skeleton.is_cut_at(*apex));
         taper_twig(stations, if is_cut { 0.0 } else { features.twig_taper });
         path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
-        curve::subdivide(stations, self.tubes.rings);
+        curve::subdivide(stations, self.fineness());
         path::prepare(stations, self.softness());
         let is_stem = axis.parent == NO_PARENT;
         let mut form = TubeForm { axis: index as u32, is_stem, ..TubeForm::default() };
@@ -149,7 +158,7 @@ impl<'a> Course<'a> {
         if self.skeleton.width_steps == WidthSteps::Cylinder {
             path::step(&mut spine);
         }
-        curve::subdivide(&mut spine, self.tubes.rings);
+        curve::subdivide(&mut spine, self.fineness());
         path::prepare(&mut spine, self.softness());
         if is_base
             && root == NO_PARENT
@@ -265,15 +274,15 @@ impl Plan {
 /// What plans take at most, with the lists of rings that grow one by one.
 pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
     let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
-    places + Forks::bytes_for(skeleton) + planned_bytes_of(skeleton.positions.len(), &skeleton.axes, tubes)
+    places + Forks::bytes_for(skeleton) + planned_bytes_of(skeleton, &skeleton.axes, tubes)
 }
 
-/// The same for some axes with `nodes` nodes together, without what is shared by all.
-pub(super) fn planned_bytes_of(nodes: usize, axes: &[Axis], tubes: &Tubes) -> u64 {
+/// The same for some of its axes, without what is shared by all.
+pub(super) fn planned_bytes_of(skeleton: &Skeleton, axes: &[Axis], tubes: &Tubes) -> u64 {
     let stems = axes.iter().filter(|axis| axis.parent == NO_PARENT).count();
-    let axes = axes.len();
     // A ring for each node and one more for each lateral, and those between.
-    let most = (nodes + axes).saturating_mul(tubes.rings as usize);
+    let most = axes.iter().map(|axis| most_rings(skeleton, axis, tubes)).fold(0, usize::saturating_add);
+    let axes = axes.len();
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
     let roots = Stools::most(stems) * roots::most_roots(tubes.features.roots.count);
     let stubs = if tubes.features.stubs.per_m > 0.0 { Boles::most(stems) * stubs::MOST } else { 0 };
@@ -284,4 +293,21 @@ pub(super) fn planned_bytes_of(nodes: usize, axes: &[Axis], tubes: &Tubes) -> u6
         + bytes_of::<Ring>(roots * roots::MOST_RINGS + stubs * stubs::HOST_RINGS)
         + bytes_of::<roots::Root>(roots + stubs)
         + bytes_of::<Collar>(collars)
+}
+
+/// The most rings of an axis.
+fn most_rings(skeleton: &Skeleton, axis: &Axis, tubes: &Tubes) -> usize {
+    let segments = axis.len as usize + 1;
+    let fineness = tubes.fineness();
+    if fineness.smooth_radius_m == 0.0 {
+        return segments.saturating_mul(fineness.rings as usize);
+    }
+    // A lateral's first segment is as thick as its parent at most.
+    let nodes = skeleton.nodes_of(axis);
+    let root = if axis.parent == NO_PARENT { nodes.first() } else { Some(&axis.parent) };
+    // Tubes of few sides are somewhat thicker than their wood.
+    let most = |&node: &u32| fineness.most(2.0 * skeleton.radii[node as usize]) as usize;
+    // A segment is as thick as the thicker of its ends.
+    let ends = root.into_iter().chain(nodes).map(most).fold(0, usize::saturating_add);
+    ends.saturating_mul(2).min(segments.saturating_mul(fineness.most(f32::MAX) as usize))
 }

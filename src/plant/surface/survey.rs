@@ -82,7 +82,7 @@ pub fn survey(
             nodes += axis.len as usize;
             end += 1;
         }
-        let planned = planned_bytes_of(nodes, &skeleton.axes[first..end], tubes);
+        let planned = planned_bytes_of(skeleton, &skeleton.axes[first..end], tubes);
         monitor.admit(DOING, planned, ADVICE)?;
         // Stretches are visited in their order, which is one thread's work, beside the next piece.
         let visited = || seen.into_iter().flatten().for_each(&mut *visit);

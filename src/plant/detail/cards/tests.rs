@@ -96,7 +96,7 @@ fn a_tree_of_cards_covers_what_the_tree_covers() {
             whole[0].scene.parts.iter().flat_map(|part| part.mesh.positions.iter().copied()),
         );
         let size_m = bounds.unwrap().size().length();
-        let side = 240;
+        let side = 400;
         let scale = side as f32 / size_m;
         let low = Vec2::new(-size_m / 2.0, -0.2 * size_m);
         for degrees in [17.0_f32, 139.0] {
