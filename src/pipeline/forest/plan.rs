@@ -218,7 +218,7 @@ fn drop_unused(trees: &mut Vec<PlannedTree>, places: &mut [Place]) {
 mod tests {
     use super::*;
     use crate::forest::Layout;
-    use crate::preset::{MOST_NODES, Preset, SelfOrganizing, builtin};
+    use crate::preset::{MOST_NODES, Neighbour, Preset, SelfOrganizing, builtin};
     use linden_base::monitor::Quiet;
 
     fn forest(settings: &[(&str, &str)]) -> Forest {
@@ -312,7 +312,7 @@ mod tests {
         let plan = forest.plan(&Quiet).unwrap();
         let rules = plan.trees[0].recipe.preset.settings::<SelfOrganizing>().unwrap();
         assert_eq!(rules.obstacles.len(), rules.stand.len() + 1);
-        let [x, z] = rules.stand[4];
+        let [x, z] = rules.stand[4].at;
         assert_eq!(rules.obstacles[5].at, Some([x + 2.0, 0.0, z]));
         forest.layout.set("area", "200").unwrap();
         let said = forest.plan(&Quiet).unwrap_err().to_string();
@@ -332,7 +332,10 @@ mod tests {
         let ([tree], [place]) = (plan.trees.as_slice(), plan.places.as_slice()) else { panic!("one") };
         assert_eq!((tree.stems, place.scale, place.turn_rad), (12, 2.0, 0.0), "the size of the kind is kept");
         let rules = tree.recipe.preset.settings::<SelfOrganizing>().unwrap();
-        let foot = |&[x, z]: &[f64; 2]| place.position + DVec3::new(x, 0.0, z).as_vec3() * place.scale;
+        let foot = |tree: &Neighbour| {
+            let [x, z] = tree.at;
+            place.position + DVec3::new(x, 0.0, z).as_vec3() * place.scale
+        };
         let feet: Vec<Vec3> = rules.stand.iter().map(foot).chain([place.position]).collect();
         for wanted in apart.places {
             assert!(feet.iter().any(|foot| foot.distance(wanted.position) < 1e-4), "{}", wanted.position);
