@@ -95,6 +95,11 @@ impl Forks {
         self.apices.is_empty()
     }
 
+    /// Bytes that they take.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<u32>(self.apices.capacity() + self.onward.capacity())
+    }
+
     /// Bytes that those of a skeleton take at most while they are found.
     pub fn bytes_for(skeleton: &Skeleton) -> u64 {
         Bits::bytes_for(skeleton.parents.len()) + bytes_of::<[u32; 4]>(skeleton.axes.len())

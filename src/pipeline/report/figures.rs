@@ -130,6 +130,7 @@ impl<'a> Figures<'a> {
         let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
         let Finest { skeleton, organs, cards, tubes } = finest(recipe, grown, &holding)?;
         let forks = Forks::new(&skeleton);
+        let holding = Holding::new(&holding, forks.bytes());
         let trunk = skeleton.trunk_by(&forks);
         let (survey, mut wood_of_tubes) = WoodOfTubes::survey(&skeleton, &trunk, &tubes, &holding)?;
         // A budget may be as large as the tree.
