@@ -4,6 +4,7 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
+use super::bits::Bits;
 use super::{Axis, Edge, NO_PARENT, Skeleton};
 use linden_base::memory::bytes_of;
 
@@ -59,16 +60,17 @@ impl Forks {
     /// Finds those of a skeleton.
     pub fn new(skeleton: &Skeleton) -> Self {
         let Skeleton { parents, axes, .. } = skeleton;
-        let mut bears = vec![false; parents.len()];
-        for &parent in parents.iter().filter(|&&parent| parent != NO_PARENT) {
-            bears[parent as usize] = true;
-        }
-        if bears.iter().filter(|bears| !**bears).count() == axes.len() {
+        // Within an axis, each node but its last is succeeded: what leaves from a last one leaves from a fork.
+        let mut ends = Bits::new(parents.len());
+        let last = |axis: &Axis| skeleton.nodes_of(axis).last().copied();
+        axes.iter().filter_map(last).for_each(|apex| ends.set(apex));
+        let leave = |axis: &&Axis| axis.parent != NO_PARENT && ends.is_set(axis.parent);
+        let mut apices: Vec<u32> = axes.iter().filter(leave).map(|axis| axis.parent).collect();
+        if apices.is_empty() {
             return Self::default();
         }
-        let ends = axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last().copied());
-        let mut apices: Vec<u32> = ends.filter(|&apex| bears[apex as usize]).collect();
         apices.sort_unstable();
+        apices.dedup();
         Self { onward: onward(skeleton, &apices), apices }
     }
 
@@ -93,9 +95,14 @@ impl Forks {
         self.apices.is_empty()
     }
 
+    /// Bytes that they take.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<u32>(self.apices.capacity() + self.onward.capacity())
+    }
+
     /// Bytes that those of a skeleton take at most while they are found.
     pub fn bytes_for(skeleton: &Skeleton) -> u64 {
-        bytes_of::<bool>(skeleton.parents.len()) + bytes_of::<[u32; 4]>(skeleton.axes.len())
+        Bits::bytes_for(skeleton.parents.len()) + bytes_of::<[u32; 4]>(skeleton.axes.len())
     }
 }
 

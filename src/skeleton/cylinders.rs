@@ -93,8 +93,7 @@ impl Skeleton {
     }
 
     /// Axis, length and radius of all [`cylinders`](Self::cylinders), in their order, without making a list of them.
-    pub fn cylinder_sizes(&self) -> impl Iterator<Item = (&Axis, f32, f32)> {
-        let forks = Forks::new(self);
+    pub fn cylinder_sizes<'a>(&'a self, forks: &'a Forks) -> impl Iterator<Item = (&'a Axis, f32, f32)> {
         let axes = (0..).zip(&self.axes).map(move |(index, axis)| (axis, forks.runs_on(index)));
         let segments = axes.flat_map(|axis| self.segments_of(axis.0).map(move |ends| (axis, ends)));
         segments.map(|(axis, ends)| {
@@ -104,8 +103,8 @@ impl Skeleton {
     }
 
     /// What all [`cylinders`](Self::cylinders) hold.
-    pub(super) fn wood_volume_m3(&self) -> f64 {
-        self.cylinder_sizes().map(|(_, length_m, radius_m)| volume_m3(length_m, radius_m)).sum()
+    pub(super) fn wood_volume_m3(&self, forks: &Forks) -> f64 {
+        self.cylinder_sizes(forks).map(|(_, length_m, radius_m)| volume_m3(length_m, radius_m)).sum()
     }
 
     /// Length and radius of the cylinder for a segment of an axis.

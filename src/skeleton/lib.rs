@@ -4,6 +4,7 @@
 //! sees in it: axes with their orders, and radii. Nodes come parents before children.
 
 mod axes;
+mod bits;
 mod cylinders;
 pub mod edit;
 mod fingerprint;

@@ -1,7 +1,7 @@
 //! What a forester would measure.
 
 use super::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
-use glam::DVec2;
+use glam::{DVec2, Vec3};
 use linden_base::hull::HullPolygon;
 use linden_base::mesh::Bounds;
 use rayon::prelude::*;
@@ -36,16 +36,21 @@ pub struct Measures {
 impl Skeleton {
     /// Measures the tree.
     pub fn measures(&self) -> Measures {
-        let size = Bounds::of(self.positions.iter().copied()).map_or(glam::Vec3::ZERO, Bounds::size);
-        let (trunk_diameter_at_m, trunk_diameter_m) = self.trunk_diameter();
+        self.measures_by(&self.seen_from_above(), &Forks::new(self))
+    }
+
+    /// The same where what is [seen from above](Skeleton::seen_from_above) and the [`Forks`] are known.
+    pub fn measures_by(&self, plan: &HullPolygon, forks: &Forks) -> Measures {
+        let size = Bounds::of(self.positions.iter().copied()).map_or(Vec3::ZERO, Bounds::size);
+        let (trunk_diameter_at_m, trunk_diameter_m) = self.trunk_diameter(forks);
         Measures {
             total_length_m: (0..self.parents.len()).map(|node| self.segment_length(node)).sum(),
             height_m: f64::from(size.y),
-            crown_width_m: self.seen_from_above().mean_width(),
+            crown_width_m: plan.mean_width(),
             trunk_diameter_m,
             trunk_diameter_at_m,
             base_diameter_m: self.base_diameter_m(),
-            wood_volume_m3: self.wood_volume_m3(),
+            wood_volume_m3: self.wood_volume_m3(forks),
             max_order: self.axes.iter().map(|a| a.order).max().unwrap_or(0),
         }
     }
@@ -54,10 +59,18 @@ impl Skeleton {
     pub fn seen_from_above(&self) -> HullPolygon {
         // A piece at a time: a list of all nodes once more would have to be asked for.
         let pieces = self.positions.par_chunks(NODES_PER_PIECE).map(|nodes| {
+            if let Some(ends) = ends_of_row(nodes) {
+                return ends;
+            }
             let plan: Vec<DVec2> = nodes.iter().map(|at| DVec2::new(at.x.into(), at.z.into())).collect();
             HullPolygon::of(&plan).corners
         });
         HullPolygon::of(&pieces.collect::<Vec<_>>().concat())
+    }
+
+    /// Whether all nodes have the same Z, as those of grammars that are drawn on paper.
+    pub fn lies_in_a_plane(&self) -> bool {
+        self.positions.par_windows(2).all(|pair| pair[0].z == pair[1].z)
     }
 
     /// Length of the segment that ends in a node, metres; 0 for the foot of a stem.
@@ -83,9 +96,13 @@ impl Skeleton {
     /// The stem that is thickest at its foot, and the axes that its wood runs on into, from the foot up: indices
     /// into [`Skeleton::axes`].
     pub fn trunk(&self) -> Vec<u32> {
+        self.trunk_by(&Forks::new(self))
+    }
+
+    /// The same where the [`Forks`] are known.
+    pub fn trunk_by(&self, forks: &Forks) -> Vec<u32> {
         let Some((stem, _)) = self.thickest_stem() else { return Vec::new() };
         let mut trunk = vec![stem];
-        let forks = Forks::new(self);
         if forks.is_empty() {
             return trunk;
         }
@@ -106,9 +123,9 @@ impl Skeleton {
     }
 
     /// Where the trunk's diameter is measured, and the diameter.
-    fn trunk_diameter(&self) -> (f64, f64) {
+    fn trunk_diameter(&self, forks: &Forks) -> (f64, f64) {
         let mut along = 0.0;
-        let axes = self.trunk().into_iter().map(|axis| &self.axes[axis as usize]);
+        let axes = self.trunk_by(forks).into_iter().map(|axis| &self.axes[axis as usize]);
         let nodes: Vec<u32> = axes.flat_map(|axis| self.nodes_of(axis)).copied().collect();
         for pair in nodes.windows(2) {
             let length = self.segment_length(pair[1] as usize);
@@ -124,10 +141,29 @@ impl Skeleton {
     }
 }
 
+/// The ends of nodes that are in a row along X when seen from above, without a list of them: their hull.
+fn ends_of_row(nodes: &[Vec3]) -> Option<Vec<DVec2>> {
+    let first = nodes.first()?;
+    if nodes.iter().any(|at| at.z.to_bits() != first.z.to_bits()) {
+        return None;
+    }
+    let (mut least, mut most) = (first.x, first.x);
+    for at in nodes {
+        least = if at.x.total_cmp(&least).is_lt() { at.x } else { least };
+        most = if at.x.total_cmp(&most).is_gt() { at.x } else { most };
+    }
+    let mut ends = [least, most].map(|x| DVec2::new(x.into(), first.z.into())).to_vec();
+    ends.dedup();
+    Some(ends)
+}
+
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{DVec2, Vec3};
+    use linden_base::hull::HullPolygon;
+    use linden_base::random::Key;
 
+    use super::ends_of_row;
     use crate::{Branching, Edge, NO_PARENT, Skeleton, Wood};
 
     #[test]
@@ -164,5 +200,18 @@ mod tests {
         assert!(m.trunk_diameter_at_m == 1.3 && (m.base_diameter_m - 0.4).abs() < 1e-6);
         // Radius 0.2 up to 1 m, 0.1 at 2 m: 0.17 at 1.3 m.
         assert!((m.trunk_diameter_m - 0.34).abs() < 1e-6);
+    }
+
+    #[test]
+    fn nodes_in_a_row_have_the_hull_of_any_points() {
+        for seed in 0..100 {
+            let key = Key::new(seed);
+            let x = |i| (key.child(i).between(-3.0, 3.0)).round() as f32 * 0.5;
+            let nodes: Vec<Vec3> = (0..seed / 10).map(|i| Vec3::new(x(i), x(i + 100), 0.25)).collect();
+            let plan: Vec<DVec2> = nodes.iter().map(|at| DVec2::new(at.x.into(), at.z.into())).collect();
+            let ends = ends_of_row(&nodes).unwrap_or_default();
+            assert_eq!(format!("{ends:?}"), format!("{:?}", HullPolygon::of(&plan).corners), "seed {seed}");
+        }
+        assert_eq!(ends_of_row(&[Vec3::ZERO, Vec3::new(1.0, 0.0, -0.0)]), None, "of other bits");
     }
 }

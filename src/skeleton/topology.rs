@@ -2,13 +2,16 @@
 //!
 //! A segment is named by the node that it ends in, as everywhere in this crate; the foot of a stem ends none.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 use linden_base::memory::bytes_of;
+use rayon::prelude::*;
 
+use super::bits::Bits;
 use super::radii::by_axis;
-use super::{NO_PARENT, Skeleton};
+use super::{Axis, NO_PARENT, Skeleton};
 
 /// The children of all nodes, in one list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -117,12 +120,42 @@ impl Skeleton {
     /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     pub fn tips(&self) -> Vec<u32> {
-        let mut bears = vec![false; self.parents.len()];
-        for &parent in self.parents.iter().filter(|&&parent| parent != NO_PARENT) {
-            bears[parent as usize] = true;
-        }
-        let is_tip = |&node: &u32| !bears[node as usize] && self.parents[node as usize] != NO_PARENT;
-        (0..self.parents.len() as u32).filter(is_tip).collect()
+        let bears = self.bears();
+        (0..self.parents.len() as u32).filter(|&node| self.is_tip(node, &bears)).collect()
+    }
+
+    /// Whether each node has children.
+    fn bears(&self) -> Bits {
+        let mut bears = Bits::new(self.parents.len());
+        self.parents.iter().filter(|&&parent| parent != NO_PARENT).for_each(|&parent| bears.set(parent));
+        bears
+    }
+
+    fn is_tip(&self, node: u32, bears: &Bits) -> bool {
+        !bears.is_set(node) && self.parents[node as usize] != NO_PARENT
+    }
+
+    /// The length of the wood from the foot to each of [`Skeleton::tips`], metres: how many there are, the sum in
+    /// their order, and the greatest.
+    ///
+    /// ```
+    /// # use glam::Vec3;
+    /// # use linden_skeleton::{Branching, NO_PARENT, Skeleton};
+    /// # let fork = Branching {
+    /// #     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::new(3.0, 1.0, 0.0)],
+    /// #     parents: vec![NO_PARENT, 0, 1, 1],
+    /// #     births: vec![0; 4],
+    /// #     radii: None,
+    /// #     edges: None,
+    /// # };
+    /// let tree = Skeleton::build(fork, &Default::default())?; // 2 m up; at 1 m a lateral of 3 m
+    /// assert_eq!(tree.paths_to_tips_m(), (2, 2.0 + 4.0, 4.0));
+    /// # Ok::<(), linden_skeleton::SkeletonError>(())
+    /// ```
+    pub fn paths_to_tips_m(&self) -> (usize, f64, f64) {
+        let (bears, paths) = (self.bears(), self.path_lengths_m());
+        let tips = (0..).zip(&paths).filter(|(node, _)| self.is_tip(*node, &bears));
+        tips.fold((0, 0.0, 0.0), |(count, sum, most), (_, &path)| (count + 1, sum + path, path.max(most)))
     }
 
     /// The length of the wood from the foot to each node, metres.
@@ -139,18 +172,27 @@ impl Skeleton {
     /// 1 for what bears nothing; otherwise the highest order among the children, and one more where two or more of
     /// them have it (Strahler 1957, *Quantitative analysis of watershed geomorphology*).
     pub fn strahler(&self) -> Vec<u32> {
-        let mut orders = vec![0_u32; self.parents.len()];
-        // Whether several children have the highest order so far.
-        let mut meets = vec![false; self.parents.len()];
+        self.strahler_orders().into_iter().map(u32::from).collect()
+    }
+
+    /// The same in a byte each: with every order twice as many segments are needed at least.
+    fn strahler_orders(&self) -> Vec<u8> {
+        /// Several children have the highest order so far.
+        const MEETS: u8 = 1 << 7;
+        let mut orders = vec![0_u8; self.parents.len()];
         for node in (0..self.parents.len()).rev() {
             // Children come after their parent: all of this node's are done.
-            let order = (orders[node] + u32::from(meets[node])).max(1);
+            let found = orders[node];
+            let order = ((found & !MEETS) + u8::from(found & MEETS != 0)).max(1);
             orders[node] = order;
             let parent = self.parents[node];
             if parent != NO_PARENT {
-                let (highest, meets) = (&mut orders[parent as usize], &mut meets[parent as usize]);
-                *meets = if order > *highest { false } else { *meets || order == *highest };
-                *highest = order.max(*highest);
+                let highest = &mut orders[parent as usize];
+                match order.cmp(&(*highest & !MEETS)) {
+                    Ordering::Greater => *highest = order,
+                    Ordering::Equal => *highest |= MEETS,
+                    Ordering::Less => {}
+                }
             }
         }
         orders
@@ -176,10 +218,10 @@ impl Skeleton {
     /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     pub fn streams(&self) -> Vec<Streams> {
-        let orders = self.strahler();
+        let orders = self.strahler_orders();
         let mut streams: Vec<Streams> = Vec::new();
         for (node, &parent) in self.parents.iter().enumerate().filter(|(_, parent)| **parent != NO_PARENT) {
-            let order = orders[node] as usize;
+            let order = usize::from(orders[node]);
             if streams.len() < order {
                 streams.resize(order, Streams::default());
             }
@@ -215,6 +257,12 @@ impl Skeleton {
     /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     pub fn branching_angles(&self) -> Vec<BranchingAngle> {
+        let known = (0..).zip(self.angles_of_axes()).filter(|(_, angle_rad)| !angle_rad.is_nan());
+        known.map(|(axis, angle_rad)| BranchingAngle { axis, angle_rad }).collect()
+    }
+
+    /// The same of each of [`Skeleton::axes`]; no number for stems, and for laterals that have no angle.
+    pub fn angles_of_axes(&self) -> Vec<f64> {
         let at = |node: u32| self.positions[node as usize].as_dvec3();
         // What follows each foot on its own axis.
         let stems = self.axes.iter().filter(|axis| axis.parent == NO_PARENT);
@@ -224,21 +272,23 @@ impl Skeleton {
                 _ => None,
             })
             .collect();
-        let laterals = (0..).zip(&self.axes).filter(|(_, axis)| axis.parent != NO_PARENT);
-        let angles = laterals.filter_map(|(index, axis)| {
+        let angle = |axis: &Axis| {
             let (node, &first) = (axis.parent, self.nodes_of(axis).first()?);
+            if node == NO_PARENT {
+                return None;
+            }
             let before = match self.parents[node as usize] {
                 NO_PARENT => at(*after_foot.get(&node)?) - at(node),
                 below => at(node) - at(below),
             };
-            Some(BranchingAngle { axis: index, angle_rad: between(before, at(first) - at(node))? })
-        });
-        angles.collect()
+            between(before, at(first) - at(node))
+        };
+        self.axes.par_iter().map(|axis| angle(axis).unwrap_or(f64::NAN)).collect()
     }
 
     /// Bytes that the lists of this module take at once at most.
     pub fn topology_bytes(&self) -> u64 {
-        bytes_of::<[f64; 2]>(self.positions.len()) + bytes_of::<BranchingAngle>(self.axes.len())
+        bytes_of::<f64>(self.positions.len() + self.axes.len()) + 2 * Bits::bytes_for(self.positions.len())
     }
 }
 
@@ -268,4 +318,104 @@ pub fn ratio_of_orders(values: &[f64]) -> Option<f64> {
     let upper: f64 = logs.iter().enumerate().map(|(order, log)| of_order(order) * (log - mean_log)).sum();
     let lower: f64 = (0..logs.len()).map(|order| of_order(order) * of_order(order)).sum();
     Some(libm::exp(upper / lower))
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use linden_base::random::Key;
+
+    use super::*;
+    use crate::{Branching, Edge, Forks, Wood};
+
+    /// A random tree in which some nodes have all their children in brackets.
+    fn bracketed(seed: u64) -> Skeleton {
+        let key = Key::new(seed);
+        let mut branching = Branching {
+            positions: vec![Vec3::ZERO],
+            parents: vec![NO_PARENT],
+            births: vec![0],
+            radii: None,
+            edges: None,
+        };
+        let mut edges = vec![Edge::Succeeds];
+        let mut continues = [false; 200];
+        for node in 1..200_u32 {
+            let key = key.child(node.into());
+            let drawn = |name| key.named(name);
+            let parent = if drawn("on").unit() < 0.6 {
+                node - 1
+            } else {
+                (drawn("at").unit() * f64::from(node)) as u32
+            };
+            let component = |name| drawn(name).between(-1.0, 1.0) as f32;
+            let step = Vec3::new(component("x"), component("y") + 0.5, component("z"));
+            branching.positions.push(branching.positions[parent as usize] + step);
+            branching.parents.push(parent);
+            branching.births.push(0);
+            let succeeds = !continues[parent as usize] && drawn("edge").unit() < 0.7;
+            continues[parent as usize] |= succeeds;
+            edges.push(if succeeds { Edge::Succeeds } else { Edge::Branches });
+        }
+        branching.edges = Some(edges);
+        Skeleton::build(branching, &Wood::default()).unwrap()
+    }
+
+    #[test]
+    fn forks_are_where_an_axis_ends_and_others_leave() {
+        let mut found = 0;
+        for seed in 0..40 {
+            let skeleton = bracketed(seed);
+            let (forks, children) = (Forks::new(&skeleton), skeleton.children());
+            let is_last =
+                |node| skeleton.axes.iter().any(|axis| skeleton.nodes_of(axis).last() == Some(&node));
+            let by_definition = |node: &u32| is_last(*node) && !children.of(*node as usize).is_empty();
+            let nodes: Vec<u32> = (0..200).filter(by_definition).collect();
+            assert_eq!(
+                (0..200).filter(|node| forks.ends_at(*node)).collect::<Vec<u32>>(),
+                nodes,
+                "seed {seed}"
+            );
+            assert_eq!(forks.len(), nodes.len());
+            found += nodes.len();
+        }
+        assert!(found > 400, "{found} forks");
+    }
+
+    #[test]
+    fn orders_paths_and_angles_are_what_their_definitions_say() {
+        for seed in 0..40 {
+            let skeleton = bracketed(seed);
+            let children = skeleton.children();
+            let orders = skeleton.strahler();
+            for (node, &order) in orders.iter().enumerate() {
+                let above: Vec<u32> = children.of(node).iter().map(|&child| orders[child as usize]).collect();
+                let most = above.iter().copied().max().unwrap_or(0);
+                let meets = above.iter().filter(|&&order| order == most).count() > 1;
+                assert_eq!(order, (most + u32::from(meets)).max(1), "seed {seed}, node {node}");
+            }
+            let (tips, paths) = (skeleton.tips(), skeleton.path_lengths_m());
+            let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
+            let sums =
+                (tips.len(), to_tips().fold(0.0, |sum, path| sum + path), to_tips().fold(0.0, f64::max));
+            assert_eq!(skeleton.paths_to_tips_m(), sums, "seed {seed}");
+            let of_axes = skeleton.angles_of_axes();
+            assert_eq!(of_axes.len(), skeleton.axes.len());
+            let angles = skeleton.branching_angles();
+            let is_known = |axis: &&Axis| skeleton.parents[axis.parent as usize] != NO_PARENT;
+            let laterals = skeleton.axes.iter().filter(|axis| axis.parent != NO_PARENT);
+            assert!(angles.len() >= laterals.filter(is_known).count(), "seed {seed}");
+            for BranchingAngle { axis, angle_rad } in angles {
+                assert_eq!(angle_rad, of_axes[axis as usize]);
+                let axis = skeleton.axes[axis as usize];
+                let at = |node: u32| skeleton.positions[node as usize];
+                let below = skeleton.parents[axis.parent as usize];
+                if below != NO_PARENT {
+                    let first = skeleton.nodes_of(&axis)[0];
+                    let angle = (at(axis.parent) - at(below)).angle_between(at(first) - at(axis.parent));
+                    assert!((f64::from(angle) - angle_rad).abs() < 1e-3, "seed {seed}: {angle} {angle_rad}");
+                }
+            }
+        }
+    }
 }

@@ -12,7 +12,7 @@ use crate::memory::bytes_of;
 use crate::mesh::Mesh;
 use crate::monitor::{Cancelled, Monitor};
 
-pub use proof::{Proofs, SurfaceRef};
+pub use proof::{Proofs, SOUND, SurfaceRef, is_sound};
 
 /// What the triangles say about the surface, after vertices at the same place are made one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

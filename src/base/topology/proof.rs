@@ -148,21 +148,28 @@ fn faults_of_any(surface: SurfaceRef<'_>, monitor: &dyn Monitor) -> Result<(usiz
     Ok(surface.triangles.iter().map(of).fold((0, 0), |a, b| (a.0 + b.0, a.1 + b.1)))
 }
 
-/// Whether single precision is enough to say that a triangle has area and looks where its normals do.
+/// What [`is_sound`] goes by: the square of the margin that rounding may take, of triangles' products; the square of
+/// the shortest edge, a micrometre, for products of much shorter ones would vanish; the square of the longest leaning.
+pub const SOUND: [f32; 3] = {
+    const MARGIN: f32 = 64.0 * 0.5 * f32::EPSILON;
+    [MARGIN * MARGIN, 1e-12, 16.0]
+};
+
+/// Whether single precision is enough to say that a triangle has area and looks where its normals do, whose sum is
+/// `leaning`.
 ///
 /// With unit roundoff u, edges are off by u of their length, a component of their product by 4 u of the product of
 /// their lengths, and its scalar product with a vector of length 4 or less by 49 u of that.
-fn is_sound([p, q, r]: [Vec3; 3], leaning: Vec3) -> bool {
-    const MARGIN: f32 = 64.0 * 0.5 * f32::EPSILON;
-    /// Edges of a micrometre: of much shorter ones products would vanish.
-    const LEAST_SQUARED: f32 = 1e-12;
+#[inline]
+pub fn is_sound([p, q, r]: [Vec3; 3], leaning: Vec3) -> bool {
+    let [margin, least_squared, most_squared] = SOUND;
     let (a, b) = (q - p, r - p);
     let [a2, b2] = [a, b].map(Vec3::length_squared);
     let facing = a.cross(b).dot(leaning);
-    a2.min(b2) > LEAST_SQUARED
-        && leaning.length_squared() < 16.0
+    a2.min(b2) > least_squared
+        && leaning.length_squared() < most_squared
         && facing > 0.0
-        && facing * facing > MARGIN * MARGIN * (a2 * b2)
+        && facing * facing > margin * (a2 * b2)
 }
 
 #[cfg(test)]

@@ -5,14 +5,13 @@ use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 use linden_base::hull::{HullPolygon, HullSolid};
-use linden_base::memory::bytes_of;
 use linden_base::mesh::Bounds;
 use linden_base::monitor::{Holding, Monitor};
 use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
-use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey};
+use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey_by};
 use linden_skeleton::{
-    BREAST_HEIGHT_M, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
+    BREAST_HEIGHT_M, Forks, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
 };
 
 use super::{Corners, ReportError};
@@ -54,16 +53,37 @@ pub(super) struct Angles {
     pub mean: Option<f64>,
     /// Of the sample: divided by one less than the count.
     pub sd: Option<f64>,
+    /// Their sum.
+    sum: f64,
+    /// The sum of the squares of what they differ from the mean.
+    squares: f64,
 }
 
 impl Angles {
-    fn of(degrees: &[f64]) -> Self {
-        let count = degrees.len();
-        let mean = (count > 0).then(|| degrees.iter().sum::<f64>() / count as f64);
-        let squares =
-            mean.map(|mean| degrees.iter().map(|angle| (angle - mean) * (angle - mean)).sum::<f64>());
-        let sd = squares.filter(|_| count > 1).map(|squares| (squares / (count - 1) as f64).sqrt());
-        Self { count, mean, sd }
+    /// Of some angles, all of them first, then those of each order from 1 to `most`: sums run in their order. `of` gives
+    /// order and angle of each, twice.
+    fn of<I: Iterator<Item = (u32, f64)>>(most: u32, of: impl Fn() -> I) -> (Self, Vec<Self>) {
+        let (mut all, mut by_order) = (Self::default(), vec![Self::default(); most as usize]);
+        for (order, degrees) in of() {
+            for angles in [&mut all, &mut by_order[order as usize - 1]] {
+                angles.count += 1;
+                angles.sum += degrees;
+            }
+        }
+        for angles in std::iter::once(&mut all).chain(&mut by_order) {
+            angles.mean = (angles.count > 0).then(|| angles.sum / angles.count as f64);
+        }
+        for (order, degrees) in of() {
+            for angles in [&mut all, &mut by_order[order as usize - 1]] {
+                let off = degrees - angles.mean.unwrap_or(degrees);
+                angles.squares += off * off;
+            }
+        }
+        for angles in std::iter::once(&mut all).chain(&mut by_order) {
+            let Self { count, squares, .. } = *angles;
+            angles.sd = (count > 1).then(|| (squares / (count - 1) as f64).sqrt());
+        }
+        (all, by_order)
     }
 }
 
@@ -99,6 +119,8 @@ pub(super) struct Figures<'a> {
     /// The circle around the node of the trunk that is nearest to breast height.
     pub breast_fit: Option<RadiusFit>,
     pub breast_source: Option<RadiusSource>,
+    /// Nodes of the thickest stem, from its foot up.
+    trunk: Vec<u32>,
     floor_m: f64,
     crown_base_m: Option<f64>,
 }
@@ -107,13 +129,16 @@ impl<'a> Figures<'a> {
     pub fn new(recipe: &Recipe, grown: &'a Grown, monitor: &dyn Monitor) -> Result<Self, ReportError> {
         let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
         let Finest { skeleton, organs, cards, tubes } = finest(recipe, grown, &holding)?;
-        let (survey, wood_of_tubes) = WoodOfTubes::survey(&skeleton, &tubes, &holding)?;
+        let forks = Forks::new(&skeleton);
+        let holding = Holding::new(&holding, forks.bytes());
+        let trunk = skeleton.trunk_by(&forks);
+        let (survey, mut wood_of_tubes) = WoodOfTubes::survey(&skeleton, &trunk, &tubes, &holding)?;
         // A budget may be as large as the tree.
         let is_whole =
             organs.len() == grown.organs.len() && cards.is_none() && tubes == recipe.preset.dressing.tubes;
-        let is_reduced = !is_whole || skeleton != grown.skeleton;
+        let is_reduced = !is_whole || !Arc::ptr_eq(&skeleton, &grown.skeleton) && skeleton != grown.skeleton;
         // Lists of nodes and of axes.
-        let bytes = bytes_of::<[f64; 6]>(skeleton.positions.len()) + skeleton.topology_bytes();
+        let bytes = skeleton.topology_bytes();
         let admitted = holding.admit("measuring the tree", bytes, "grow a smaller tree");
         admitted.map_err(DetailError::from)?;
         let nodes = || skeleton.positions.iter().map(|at| at.as_dvec3());
@@ -129,8 +154,15 @@ impl<'a> Figures<'a> {
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
         let ((measures, wood), branching) = rayon::join(
             || {
-                let solid = HullSolid::of_all(nodes().filter(is_crown));
-                (skeleton.measures(), Hulls { plan: skeleton.seen_from_above(), solid })
+                let plan = skeleton.seen_from_above();
+                // Flat wood encloses nothing, and without leaves nothing lies beside its plane.
+                let is_flat = canopy.corners.is_empty() && skeleton.lies_in_a_plane();
+                let solid =
+                    if is_flat { HullSolid::default() } else { HullSolid::of_all(nodes().filter(is_crown)) };
+                for (axis, length_m, _) in skeleton.cylinder_sizes(&forks) {
+                    wood_of_tubes.by_order[axis.order as usize].length_m += f64::from(length_m);
+                }
+                (skeleton.measures_by(&plan, &forks), Hulls { plan, solid })
             },
             || BranchFigures::of(&skeleton),
         );
@@ -138,13 +170,13 @@ impl<'a> Figures<'a> {
         let ground = wood.plan.corners.iter().copied().chain(from_above(leaves()));
         let points: Vec<DVec3> = wood.solid.corners.iter().copied().chain(leaves()).collect();
         let all = Hulls { plan: HullPolygon::of(&ground.collect::<Vec<_>>()), solid: HullSolid::of(&points) };
-        let BranchFigures { tips, path_mean_m, path_longest_m, streams, angles } = branching;
-        let of_order = |order: u32| {
-            let some: Vec<f64> =
-                angles.iter().filter(|(of, _)| *of == order).map(|(_, angle)| *angle).collect();
-            Angles::of(&some)
-        };
-        let breast = breast_fit(&skeleton).filter(|_| wood_of_tubes.dbh_m.is_some());
+        let BranchFigures { tips, path_mean_m, path_longest_m, streams, angles, angles_by_order } = branching;
+        let trunk: Vec<u32> = trunk
+            .iter()
+            .flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize]))
+            .copied()
+            .collect();
+        let breast = breast_fit(&skeleton, &trunk).filter(|_| wood_of_tubes.dbh_m.is_some());
         Ok(Self {
             grown,
             recipe_hash: recipe.hash(),
@@ -159,10 +191,11 @@ impl<'a> Figures<'a> {
             tips,
             streams,
             tubes: wood_of_tubes,
-            angles: Angles::of(&angles.iter().map(|(_, angle)| *angle).collect::<Vec<_>>()),
-            angles_by_order: (1..=measures.max_order).map(of_order).collect(),
+            angles,
+            angles_by_order,
             breast_fit: breast.filter(|fit| fit.source == RadiusSource::Measured),
             breast_source: breast.map(|fit| fit.source),
+            trunk,
             floor_m,
             crown_base_m,
             canopy,
@@ -178,7 +211,7 @@ impl<'a> Figures<'a> {
 
     /// Of the thickest stem, from the upright, degrees.
     pub fn stem_lean_deg(&self) -> f64 {
-        let nodes = trunk_nodes(&self.skeleton);
+        let nodes = &self.trunk;
         let place = |node: &u32| self.skeleton.positions[*node as usize].as_dvec3();
         let (Some(foot), Some(top)) = (nodes.first().map(place), nodes.last().map(place)) else { return 0.0 };
         (top - foot).try_normalize().map_or(0.0, |along| libm::acos(along.y.clamp(-1.0, 1.0)).to_degrees())
@@ -187,10 +220,13 @@ impl<'a> Figures<'a> {
     /// `None` where nothing was measured.
     pub fn measured_volume_share(&self) -> Option<f64> {
         let fits = &self.skeleton.fits;
+        if fits.is_empty() {
+            return None;
+        }
         let is_measured =
             |node: u32| fits.get(node as usize).is_some_and(|f| f.source == RadiusSource::Measured);
         let (mut measured, mut all) = (0.0, 0.0);
-        for cylinder in self.skeleton.cylinders().iter().filter(|_| !fits.is_empty()) {
+        for cylinder in self.skeleton.cylinders() {
             all += cylinder.volume_m3();
             measured += if is_measured(cylinder.node) { cylinder.volume_m3() } else { 0.0 };
         }
@@ -258,17 +294,11 @@ impl<'a> Figures<'a> {
     }
 }
 
-/// The nodes of the thickest stem, from its foot up.
-fn trunk_nodes(skeleton: &Skeleton) -> Vec<u32> {
-    let axes = skeleton.trunk();
-    axes.iter().flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize])).copied().collect()
-}
-
 /// What bears out the radius at breast height.
-fn breast_fit(skeleton: &Skeleton) -> Option<RadiusFit> {
+fn breast_fit(skeleton: &Skeleton, trunk: &[u32]) -> Option<RadiusFit> {
     let mut climbed_m = 0.0;
     let mut nearest: Option<(f64, u32)> = None;
-    for pair in trunk_nodes(skeleton).windows(2) {
+    for pair in trunk.windows(2) {
         let [a, b] = [pair[0], pair[1]].map(|n| skeleton.positions[n as usize].as_dvec3());
         climbed_m += a.distance(b);
         let off_m = (climbed_m - BREAST_HEIGHT_M).abs();
@@ -285,31 +315,31 @@ struct BranchFigures {
     path_mean_m: f64,
     path_longest_m: f64,
     streams: Vec<Streams>,
-    /// Of each lateral its order and its angle, degrees.
-    angles: Vec<(u32, f64)>,
+    angles: Angles,
+    /// By the order of the lateral, from 1 on.
+    angles_by_order: Vec<Angles>,
 }
 
 impl BranchFigures {
     fn of(skeleton: &Skeleton) -> Self {
         // One list of all nodes after another.
-        let (tips, path_mean_m, path_longest_m) = {
-            let (tips, paths) = (skeleton.tips(), skeleton.path_lengths_m());
-            let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
-            let mean_m = to_tips().sum::<f64>() / tips.len().max(1) as f64;
-            (tips.len(), mean_m, to_tips().fold(0.0, f64::max))
+        let (tips, path_sum_m, path_longest_m) = skeleton.paths_to_tips_m();
+        let path_mean_m = path_sum_m / tips.max(1) as f64;
+        let (angles, angles_by_order) = {
+            let of_axes = skeleton.angles_of_axes();
+            let most = skeleton.axes.iter().map(|axis| axis.order).max().unwrap_or(0);
+            let known = || skeleton.axes.iter().zip(&of_axes).filter(|(_, angle_rad)| !angle_rad.is_nan());
+            Angles::of(most, || known().map(|(axis, angle_rad)| (axis.order, angle_rad.to_degrees())))
         };
-        let angles = skeleton.branching_angles();
-        let angles = angles
-            .iter()
-            .map(|found| (skeleton.axes[found.axis as usize].order, found.angle_rad.to_degrees()))
-            .collect();
-        Self { tips, path_mean_m, path_longest_m, streams: skeleton.streams(), angles }
+        Self { tips, path_mean_m, path_longest_m, streams: skeleton.streams(), angles, angles_by_order }
     }
 }
 
 impl WoodOfTubes {
+    /// All but the lengths.
     fn survey(
         skeleton: &Skeleton,
+        trunk: &[u32],
         tubes: &Tubes,
         monitor: &dyn Monitor,
     ) -> Result<(Survey, Self), SurfaceError> {
@@ -319,19 +349,17 @@ impl WoodOfTubes {
             by_diameter_m3: vec![0.0; DIAMETERS_M.len() + 1],
             ..Self::default()
         };
-        let trunk = skeleton.trunk();
         let mut climbed_m = 0.0;
-        let mut visit = |stretch: Stretch| {
-            let (volume_m3, radius_m) = (stretch.volume_m3(), stretch.radius_m());
-            let order = &mut wood.by_order[skeleton.axes[stretch.axis as usize].order as usize];
+        let mut visit = |piece: WoodPiece| {
+            let WoodPiece { order, class, volume_m3, area_m2, on_trunk } = piece;
+            let order = &mut wood.by_order[order as usize];
             order.volume_m3 += volume_m3;
-            order.area_m2 += TAU * radius_m * stretch.length_m;
-            wood.by_diameter_m3[DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m)] += volume_m3;
+            order.area_m2 += area_m2;
+            wood.by_diameter_m3[usize::from(class)] += volume_m3;
             // Axes come in order, and so do those of the trunk.
-            if trunk.binary_search(&stretch.axis).is_ok() {
-                wood.stem_volume_m3 += volume_m3;
-            }
-            if !stretch.is_end && trunk.binary_search(&stretch.axis).is_ok() {
+            let Some(stretch) = on_trunk else { return };
+            wood.stem_volume_m3 += volume_m3;
+            if !stretch.is_end {
                 let [lower, upper] = stretch.radii_m;
                 if climbed_m == 0.0 && wood.base_diameter_m == 0.0 {
                     wood.base_diameter_m = 2.0 * lower;
@@ -343,10 +371,37 @@ impl WoodOfTubes {
                 climbed_m += stretch.length_m;
             }
         };
-        let survey = survey(skeleton, tubes, &mut visit, monitor)?;
-        for (axis, length_m, _) in skeleton.cylinder_sizes() {
-            wood.by_order[axis.order as usize].length_m += f64::from(length_m);
-        }
+        let survey = survey_by(
+            skeleton,
+            tubes,
+            &|stretch| WoodPiece::of(stretch, skeleton, trunk),
+            &mut visit,
+            monitor,
+        )?;
         Ok((survey, wood))
+    }
+}
+
+/// What a stretch of a tube adds.
+struct WoodPiece {
+    order: u32,
+    /// Of [`DIAMETERS_M`].
+    class: u8,
+    volume_m3: f64,
+    area_m2: f64,
+    /// Itself, where it is of the trunk.
+    on_trunk: Option<Box<Stretch>>,
+}
+
+impl WoodPiece {
+    fn of(stretch: Stretch, skeleton: &Skeleton, trunk: &[u32]) -> Self {
+        let (volume_m3, radius_m) = (stretch.volume_m3(), stretch.radius_m());
+        Self {
+            order: skeleton.axes[stretch.axis as usize].order,
+            class: DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m) as u8,
+            volume_m3,
+            area_m2: TAU * radius_m * stretch.length_m,
+            on_trunk: trunk.binary_search(&stretch.axis).is_ok().then(|| Box::new(stretch)),
+        }
     }
 }

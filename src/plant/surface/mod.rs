@@ -12,6 +12,7 @@ mod curve;
 mod ends;
 mod features;
 mod path;
+mod plain;
 mod plan;
 pub mod relief;
 mod roots;
@@ -43,7 +44,7 @@ pub use roots::SurfaceRoots;
 pub use solid::MOST_SOLID_TRIANGLES;
 pub use stretch::Stretch;
 pub use stubs::Stubs;
-pub use survey::{Survey, survey};
+pub use survey::{Survey, survey, survey_by};
 pub use target::Amount;
 pub(crate) use thickness::classes;
 

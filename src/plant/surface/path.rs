@@ -124,16 +124,21 @@ const CORNERS_APART: f32 = 4.0;
 ///
 /// A station whose ring would cut the previous one (a sharp turn of thick wood) is passed over. The base
 /// is always kept, the apex unless it stands on the base; fewer than two stations give no rings. Nothing
-/// steps at either end. `reach` is how far the corners of a ring stand, in radii.
+/// steps at either end. `reach` is how far the corners of a ring stand, in radii; `kept` is memory to work in.
 ///
 /// Whether the axis bends so much somewhere that its tube has to be looked at: what is checked here are rings,
 /// not the triangles between rings of few and other numbers of sides.
-pub(super) fn rings(stations: &[Station], reach: impl Fn(f32) -> f32, rings: &mut Vec<Ring>) -> bool {
+pub(super) fn rings(
+    stations: &[Station],
+    reach: impl Fn(f32) -> f32,
+    kept: &mut Vec<Kept>,
+    rings: &mut Vec<Ring>,
+) -> bool {
     if stations.len() < 2 {
         return false;
     }
     let widest = |radius: f32| radius * reach(radius);
-    let kept = without_folds(stations, widest);
+    without_folds(stations, widest, kept);
     // One ring alone would be a disc that nothing closes.
     if kept.len() < 2 {
         return false;
@@ -162,13 +167,15 @@ pub(super) fn rings(stations: &[Station], reach: impl Fn(f32) -> f32, rings: &mu
 
 /// A station that stays, as wide as its ring will be.
 #[derive(Clone, Copy)]
-struct Kept {
+pub(super) struct Kept {
     index: usize,
     position: Vec3,
     /// To the farthest corners of the ring below and of the one above, metres.
     radius: f32,
     onward: f32,
     tangent: Vec3,
+    /// The direction to it from the one below it on the stack.
+    incoming: Vec3,
 }
 
 /// The widest that a ring gets in a bend, against a circle: at 96°.
@@ -176,7 +183,7 @@ const WIDEST_MITRE: f32 = 1.5;
 
 /// How much wider a ring is within the bend of its axis, no more than leaves it clear of its neighbours.
 fn mitre([before, here, after]: [&Kept; 3]) -> Vec3 {
-    let toward = direction(here, after);
+    let toward = after.incoming;
     let within = toward.reject_from_normalized(here.tangent).normalize_or_zero();
     let radius = here.radius.max(here.onward);
     let room = |other: &Kept| {
@@ -229,20 +236,22 @@ fn transport(side: Vec3, from: Vec3, to: Vec3) -> Vec3 {
 ///
 /// A stack: a station whose ring cannot stand between its neighbours gives way to the next one.
 /// The tangent is the bisector of the two segments, at the ends the segment itself.
-fn without_folds(stations: &[Station], widest: impl Fn(f32) -> f32) -> Vec<Kept> {
+fn without_folds(stations: &[Station], widest: impl Fn(f32) -> f32, kept: &mut Vec<Kept>) {
     let whole = |index: usize| {
         let Station { position, radius, onward } = stations[index];
-        Kept { index, position, radius: widest(radius), onward: widest(onward), tangent: Vec3::ZERO }
+        let (tangent, incoming) = (Vec3::ZERO, Vec3::ZERO);
+        Kept { index, position, radius: widest(radius), onward: widest(onward), tangent, incoming }
     };
-    let mut kept = vec![whole(0)];
+    kept.clear();
+    kept.push(whole(0));
     for index in 1..stations.len() {
-        push(&mut kept, whole(index));
+        push(kept, whole(index));
     }
     // The last segment is judged too, now that nothing comes after it; two rings always stand.
     while kept.len() > 2 && !is_ahead(&kept[kept.len() - 2], &kept[kept.len() - 1]) {
         let apex = kept.pop().unwrap_or(kept[0]);
         kept.pop();
-        push(&mut kept, apex);
+        push(kept, apex);
     }
     if kept.len() == 1 {
         // The axis returned to its base: end it at the node farthest from there.
@@ -254,22 +263,21 @@ fn without_folds(stations: &[Station], widest: impl Fn(f32) -> f32) -> Vec<Kept>
             let tangent = direction(base, &apex);
             if tangent != Vec3::ZERO {
                 base.tangent = tangent;
-                kept.push(Kept { tangent, ..apex });
+                kept.push(Kept { tangent, incoming: tangent, ..apex });
             }
         }
     }
-    kept
 }
 
 /// Puts a station on the stack and takes those off that cannot stand before it.
 fn push(kept: &mut Vec<Kept>, next: Kept) {
     while let [.., before, top] = kept.as_mut_slice() {
-        let incoming = direction(before, top);
+        let incoming = top.incoming;
         let outgoing = direction(top, &next);
         let bisector = (incoming + outgoing).normalize_or_zero();
         if incoming.dot(outgoing) > SHARPEST_TURN && is_ahead(before, &Kept { tangent: bisector, ..*top }) {
             top.tangent = bisector;
-            kept.push(Kept { tangent: outgoing, ..next });
+            kept.push(Kept { tangent: outgoing, incoming: outgoing, ..next });
             return;
         }
         kept.pop();
@@ -278,7 +286,7 @@ fn push(kept: &mut Vec<Kept>, next: Kept) {
     if are_distinct([base.position, next.position], base.radius.min(next.radius)) {
         base.tangent = direction(base, &next);
         let tangent = base.tangent;
-        kept.push(Kept { tangent, ..next });
+        kept.push(Kept { tangent, incoming: tangent, ..next });
     }
 }
 
@@ -333,7 +341,7 @@ mod tests {
     fn swept(mut stations: Vec<Station>) -> Vec<Ring> {
         let mut out = Vec::new();
         prepare(&mut stations, 2.0);
-        rings(&stations, |_| 1.0, &mut out);
+        rings(&stations, |_| 1.0, &mut Vec::new(), &mut out);
         out
     }
 
@@ -385,7 +393,7 @@ mod tests {
                 [0.0, far].map(|y| Station::new(Vec3::new(0.3, y, 0.1), 0.02)).to_vec();
             prepare(&mut stations, 0.0);
             let mut laid = Vec::new();
-            rings(&stations, |_| 1.2, &mut laid);
+            rings(&stations, |_| 1.2, &mut Vec::new(), &mut laid);
             assert!(laid.len() == stations.len(), "{far} m: {} rings of {}", laid.len(), stations.len());
             assert!(laid.iter().all(|ring| (ring.tangent.length() - 1.0).abs() < 1e-4), "{far} m");
         }

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::collar::{Collar, MOST_RINGS};
 use super::curve::Fineness;
 use super::features::{Ends, Flare, taper_twig};
-use super::path::{self, Ring, Station};
+use super::path::{self, Kept, Ring, Station};
 use super::roots::{self, Laid, Stools};
 use super::stubs::{self, Bole, Boles};
 use super::target::Amount;
@@ -66,7 +66,8 @@ impl<'a> Course<'a> {
     }
 
     /// Appends the rings of an axis, and says how they become its tube.
-    fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> TubeForm {
+    fn lay(&self, index: usize, scratch: &mut Scratch, rings: &mut Vec<Ring>) -> TubeForm {
+        let Scratch { stations, kept } = scratch;
         let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
         let nodes = self.skeleton.nodes_of(axis);
         stations.clear();
@@ -105,7 +106,7 @@ impl<'a> Course<'a> {
         } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
-        form.is_bent = path::rings(stations, |radius_m| self.roundness.reach(radius_m), rings);
+        form.is_bent = path::rings(stations, |radius_m| self.roundness.reach(radius_m), kept, rings);
         form
     }
 
@@ -176,6 +177,13 @@ impl<'a> Course<'a> {
     }
 }
 
+/// Memory that the axes of a plan are laid in, one after the other.
+#[derive(Default)]
+struct Scratch {
+    stations: Vec<Station>,
+    kept: Vec<Kept>,
+}
+
 /// The rings of some axes, and how large their tubes will be.
 pub(super) struct Plan {
     rings: Vec<Ring>,
@@ -186,12 +194,16 @@ pub(super) struct Plan {
 
 impl Plan {
     pub fn new(course: &Course<'_>, axes: Range<usize>) -> Self {
-        let mut plan =
-            Self { rings: Vec::new(), axes: Vec::with_capacity(axes.len()), amount: Amount::default() };
-        let mut stations = Vec::new();
+        let nodes: usize = course.skeleton.axes[axes.clone()].iter().map(|axis| axis.len as usize + 1).sum();
+        let mut plan = Self {
+            rings: Vec::with_capacity(nodes * course.tubes.rings.max(1) as usize),
+            axes: Vec::with_capacity(axes.len()),
+            amount: Amount::default(),
+        };
+        let mut scratch = Scratch::default();
         for index in axes {
             let first = plan.rings.len();
-            let form = course.lay(index, &mut stations, &mut plan.rings);
+            let form = course.lay(index, &mut scratch, &mut plan.rings);
             let tile_m = course.tubes.bark_tile_m;
             plan.amount =
                 plan.amount.and(tube::amount(&plan.rings[first..], &form, &course.roundness, tile_m));
@@ -244,6 +256,11 @@ impl Plan {
                 ..amount
             });
         }
+    }
+
+    /// Rings of all tubes.
+    pub fn rings(&self) -> usize {
+        self.rings.len()
     }
 
     pub fn len(&self) -> usize {

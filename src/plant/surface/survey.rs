@@ -6,8 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
+use super::path::Ring;
+use super::plain::{Found, PlainTubes};
 use super::plan::{Course, Plan, planned_bytes, planned_bytes_of};
 use super::target::{Amount, Target};
+use super::tube_form::TubeForm;
 use super::{
     ADVICE, AXES_PER_TASK, DOING, Junction, Stretch, SurfaceError, Topology, Tubes, sweep, topology, tube,
 };
@@ -50,6 +53,20 @@ pub fn survey(
     visit: &mut (dyn FnMut(Stretch) + Send),
     monitor: &dyn Monitor,
 ) -> Result<Survey, SurfaceError> {
+    survey_by(skeleton, tubes, &|stretch| stretch, visit, monitor)
+}
+
+/// As [`survey`], where what is visited is what `note` makes of each stretch, in any order and on any thread.
+///
+/// # Errors
+/// As [`survey`].
+pub fn survey_by<T: Send>(
+    skeleton: &Skeleton,
+    tubes: &Tubes,
+    note: &(impl Fn(Stretch) -> T + Sync),
+    visit: &mut (impl FnMut(T) + Send + ?Sized),
+    monitor: &dyn Monitor,
+) -> Result<Survey, SurfaceError> {
     let tubes = &tubes.settled();
     let course = Course::new(skeleton, tubes);
     if tubes.junction == Junction::Watertight {
@@ -62,7 +79,7 @@ pub fn survey(
         monitor.admit(DOING, planned_bytes(skeleton, tubes), ADVICE)?;
         let plan = Plan::new(&course, 0..skeleton.axes.len());
         for (rings, form) in plan.axes().filter(|(_, form)| form.root.is_none()) {
-            tube::stretches(rings, form, &course.roundness, 0.0).for_each(&mut *visit);
+            tube::stretches(rings, form, &course.roundness, 0.0).map(note).for_each(&mut *visit);
         }
         return Ok(Survey { vertices, triangles, bounds, topology });
     }
@@ -71,7 +88,7 @@ pub fn survey(
     let around = tubes.rings.max(1) as usize * tubes.sides.max(1) as usize;
     let most = (VERTICES_PER_PIECE / around).clamp(NODES_PER_PIECE[0], NODES_PER_PIECE[1]);
     let mut first = 0;
-    let mut seen: Vec<Vec<Stretch>> = Vec::new();
+    let mut seen: Vec<Vec<T>> = Vec::new();
     // One after the other, each by all threads: pieces beside each other would pile up.
     while first < skeleton.axes.len() {
         let (mut end, mut nodes) = (first, 0);
@@ -86,7 +103,7 @@ pub fn survey(
         monitor.admit(DOING, planned, ADVICE)?;
         // Stretches are visited in their order, which is one thread's work, beside the next piece.
         let visited = || seen.into_iter().flatten().for_each(&mut *visit);
-        let (piece, ()) = rayon::join(|| surveyor.piece(first..end, planned), visited);
+        let (piece, ()) = rayon::join(|| surveyor.piece(first..end, planned, note), visited);
         let (survey, stretches) = piece?;
         whole = whole.and(survey);
         seen = stretches;
@@ -110,16 +127,23 @@ struct Surveyor<'a> {
 struct Bench {
     mesh: Mesh,
     proofs: Proofs,
+    plain: PlainTubes,
 }
 
 impl Surveyor<'_> {
     /// Some axes and their stretches, by all threads.
-    fn piece(&self, axes: Range<usize>, planned: u64) -> Result<(Survey, Vec<Vec<Stretch>>), SurfaceError> {
+    fn piece<T: Send>(
+        &self,
+        axes: Range<usize>,
+        planned: u64,
+        note: &(impl Fn(Stretch) -> T + Sync),
+    ) -> Result<(Survey, Vec<Vec<T>>), SurfaceError> {
         let starts: Vec<usize> = axes.clone().step_by(AXES_PER_TASK).collect();
         let measured = starts.into_par_iter().map(|start| {
             self.monitor.check()?;
             let mut bench = self.benches().pop().unwrap_or_default();
-            let measured = self.task(start..axes.end.min(start + AXES_PER_TASK), planned, &mut bench);
+            let axes = start..axes.end.min(start + AXES_PER_TASK);
+            let measured = self.task(axes, planned, &mut bench, note);
             self.benches().push(bench);
             measured
         });
@@ -133,12 +157,13 @@ impl Surveyor<'_> {
     }
 
     /// Some axes and their stretches, by one thread.
-    fn task(
+    fn task<T>(
         &self,
         axes: Range<usize>,
         planned: u64,
         bench: &mut Bench,
-    ) -> Result<(Survey, Vec<Stretch>), SurfaceError> {
+        note: &impl Fn(Stretch) -> T,
+    ) -> Result<(Survey, Vec<T>), SurfaceError> {
         let Self { course, monitor, .. } = self;
         let plan = Plan::new(course, axes);
         let Amount { vertices, triangles, .. } = plan.amount;
@@ -146,14 +171,14 @@ impl Surveyor<'_> {
         let beside = bytes.saturating_mul(rayon::current_num_threads() as u64);
         monitor.admit("measuring the surface", planned.saturating_add(beside), ADVICE)?;
         bench.make_room(vertices, triangles);
-        let (mut survey, mut stretches) = (Survey::default(), Vec::new());
+        let mut survey = Survey::default();
+        let mut stretches = Vec::with_capacity(plan.rings() + plan.len());
         for (rings, form) in plan.axes() {
-            let mut target = bench.target();
-            let ease = tube::sweep(rings, form, &course.roundness, course.tubes.bark_tile_m, &mut target);
-            let amount = target.done;
-            survey = survey.and(bench.measure(amount, *monitor)?);
+            let (measured, ease) = bench.measure(rings, form, course, *monitor)?;
+            survey = survey.and(measured);
             if form.root.is_none() {
-                stretches.extend(tube::stretches(rings, form, &course.roundness, ease));
+                tube::stretches(rings, form, &course.roundness, ease)
+                    .for_each(|stretch| stretches.push(note(stretch)));
             }
         }
         let swept = plan.len() as u64;
@@ -180,8 +205,32 @@ impl Bench {
         Target { positions, normals, uvs, triangles, first: 0, done: Amount::default() }
     }
 
+    /// A tube, and the ease that folded nothing.
+    fn measure(
+        &mut self,
+        rings: &[Ring],
+        form: &TubeForm,
+        course: &Course<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(Survey, f32), SurfaceError> {
+        let (roundness, tile_m) = (&course.roundness, course.tubes.bark_tile_m);
+        let looked = match self.plain.look(rings, form, roundness, tile_m) {
+            Found::Sound(survey) => return Ok((survey, tube::UNFOLDED)),
+            Found::New(survey) => Some(survey),
+            Found::Unknown => None,
+        };
+        let mut target = self.target();
+        let ease = tube::sweep(rings, form, roundness, tile_m, &mut target);
+        let amount = target.done;
+        let measured = self.measure_swept(amount, monitor)?;
+        if let Some(looked) = looked {
+            self.plain.learn(&looked, &measured);
+        }
+        Ok((measured, ease))
+    }
+
     /// The tube that was written, this much.
-    fn measure(&mut self, amount: Amount, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
+    fn measure_swept(&mut self, amount: Amount, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
         let Amount { vertices, triangles, .. } = amount;
         let surface = SurfaceRef {
             positions: &self.mesh.positions[..vertices],

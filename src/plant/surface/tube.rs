@@ -14,7 +14,7 @@ use super::tube_form::{Circle, Roundness, TubeForm};
 /// the ring stands twice, with the coordinates of either side.
 ///
 /// Round a root they are halved as it gets thinner and do not go one by one: a seam or two instead of many.
-fn band_wraps(ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
+pub(super) fn band_wraps(ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
     if let Some(root) = &form.root {
         return root.wraps(f32::midpoint(ring.onward, next.radius), tile_m);
     }
@@ -52,7 +52,9 @@ pub(super) fn amount(rings: &[Ring], form: &TubeForm, roundness: &Roundness, til
 
 /// How much of a collar's fillet is laid, from the first that folds nothing: wood that turns within its
 /// own thickness leaves no room for more. At 0 rings are circles with their corners on them.
-const EASES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
+const EASES: [f32; 4] = [UNFOLDED, 0.6, 0.3, 0.0];
+/// The ease of tubes that fold nothing as they are.
+pub(super) const UNFOLDED: f32 = 1.0;
 
 /// Writes the tube over some rings (none or at least two). Gives the ease that folded nothing.
 pub(super) fn sweep(

@@ -2,6 +2,8 @@
 
 use std::f32::consts::{PI, TAU};
 
+use glam::Vec4;
+
 use super::collar::Collar;
 use super::features::{Ends, Flare};
 use super::path::Ring;
@@ -24,11 +26,16 @@ pub(super) struct Circle {
     largest_radius_m: f32,
     /// Unit vectors `(cos, sin)` at equal angles, the first one again at the end: the seam.
     pub corners: Vec<(f32, f32)>,
+    /// The same, cosines and sines of [`Circle::LANES`] corners at a time; the last ones go on round the circle.
+    pub lanes: Vec<[Vec4; 2]>,
     /// How far from the centre the corners of the polygon stand, in radii of the circle that it is for.
     pub reach: f32,
 }
 
 impl Circle {
+    /// Corners that are looked at at once.
+    pub const LANES: usize = 4;
+
     pub fn sides(&self) -> u32 {
         self.corners.len() as u32 - 1
     }
@@ -48,6 +55,10 @@ impl Roundness {
     pub(super) fn new(sides: u32, thickest_m: f32) -> Self {
         // Between circle and polygon, in radii.
         let sagitta = |sides: u32| 1.0 - libm::cosf(PI / sides as f32);
+        let corner = |k: u32, n: u32| {
+            let (sin, cos) = libm::sincosf(TAU * (k % n) as f32 / n as f32);
+            (cos, sin)
+        };
         let circle = |n: u32| Circle {
             // The last one takes whatever is left, however it was rounded.
             largest_radius_m: if n >= sides {
@@ -55,10 +66,11 @@ impl Roundness {
             } else {
                 thickest_m * sagitta(sides) / sagitta(n)
             },
-            corners: (0..=n)
-                .map(|k| {
-                    let (sin, cos) = libm::sincosf(TAU * (k % n) as f32 / n as f32);
-                    (cos, sin)
+            corners: (0..=n).map(|k| corner(k, n)).collect(),
+            lanes: (0..=n / Circle::LANES as u32)
+                .map(|some| {
+                    let [a, b, c, d] = [0, 1, 2, 3].map(|lane| corner(some * Circle::LANES as u32 + lane, n));
+                    [Vec4::new(a.0, b.0, c.0, d.0), Vec4::new(a.1, b.1, c.1, d.1)]
                 })
                 .collect(),
             reach: reach(n),
@@ -69,7 +81,7 @@ impl Roundness {
     }
 
     /// The circle for a radius, with at least `least_sides` sides where there is one.
-    fn circle(&self, radius_m: f32, least_sides: u32) -> &Circle {
+    pub(super) fn circle(&self, radius_m: f32, least_sides: u32) -> &Circle {
         let is_enough =
             |circle: &Circle| radius_m <= circle.largest_radius_m && circle.sides() >= least_sides;
         let enough = self.circles.iter().position(is_enough);
