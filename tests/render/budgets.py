@@ -29,7 +29,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 PLANTS = "oak,ash,silver-birch,norway-spruce,kanzan-cherry,apple"
-SUMMER, AUTUMN, WINTER = (["--set", f"season={season}"] for season in (0.4, 0.75, 0.98))
+SUMMER, AUTUMN, WINTER = (["--set", f"season={season}"] for season in (0.4, 0.75, 1))
 # By name: what stands over a column, what linden is told, and from where it is seen.
 COLUMNS = {
     "5000": ("5 000 triangles", ["--triangles", "5000"], "whole"),
