@@ -107,7 +107,7 @@ fn the_formats_of_one_tree_share_their_pictures() {
     let scene = scene(3, 5);
     let bundles = ["obj", "gltf", "usda"].map(|id| {
         let exporter = linden_exporters::find(id).unwrap();
-        let mut bundle = Bundle::create(&dir.path().join(format!("tree.{id}"))).unwrap();
+        let mut bundle = Bundle::create(&dir.path().join(format!("tree.{id}"))).unwrap().unsynced();
         let options = Options::new(exporter.format());
         exporter.write(&Stage::of(&scene), &options, &mut bundle, &linden::Quiet).unwrap();
         bundle

@@ -95,7 +95,7 @@ impl Dressed {
                     part = part.at_level(level);
                 }
                 let folder = tempfile::tempdir().unwrap();
-                let mut bundle = Bundle::create(&folder.path().join("tree.any")).unwrap();
+                let mut bundle = Bundle::create(&folder.path().join("tree.any")).unwrap().unsynced();
                 exporter.write(&part, options, &mut bundle, &Quiet).unwrap();
                 export.notes.extend_from_slice(bundle.notes());
                 for file in bundle.commit().unwrap() {

@@ -31,7 +31,7 @@ fn ratios(recipe: &Recipe, is_written: bool) -> Vec<(&'static str, f64)> {
         let target = tempfile::tempdir().unwrap();
         for exporter in REGISTRY.iter().filter(|exporter| exporter.format().id == "glb") {
             let options = Options::new(exporter.format());
-            let mut bundle = Bundle::create(&target.path().join("tree.glb")).unwrap();
+            let mut bundle = Bundle::create(&target.path().join("tree.glb")).unwrap().unsynced();
             exporter.write(&Stage::of(&scene), &options, &mut bundle, &Quiet).unwrap();
             bundle.commit().unwrap();
             let written: u64 =

@@ -235,7 +235,7 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["width_smoothing"],
+        knobs: &["width_smoothing", "smooth_wood"],
         why: |preset| {
             when(preset.wood.width_steps == WidthSteps::Cylinder, "width_steps=cylinder keeps its steps")
         },

@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::season::Season;
 use crate::settings::{DetailSettings, Dressing, Form};
 use crate::stage::{self, Stage};
-use crate::surface::Tubes;
+use crate::surface::{Tubes, bends};
 use crate::wind::{Blown, Field};
 use crate::{Body, Specimen};
 use linden_base::monitor::Holding;
@@ -179,6 +179,9 @@ impl Plan {
         monitor: &dyn Monitor,
     ) -> Result<Self, DetailError> {
         let Dressing { detail, tubes, .. } = dressing;
+        if tubes.smooth_wood > 0.0 && !bends(body.skeleton, tubes) {
+            notes.push("smooth_wood: no wood of that thickness has a corner at a node".to_owned());
+        }
         let budgets = detail.budgets();
         if let Some(pair) = budgets.windows(2).find(|pair| pair[0] <= pair[1]) {
             return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });

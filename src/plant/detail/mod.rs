@@ -202,8 +202,9 @@ impl<'a> Simplifier<'a> {
     /// How a level's wood is swept: roots and stubs go as limbs of their thickness do, and so do buttresses.
     fn tubes(&self, detail: &Detail) -> Tubes {
         let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
-        if tubes.smooth_radius_m > 0.0 {
-            tubes.smooth_radius_m += SMOOTH_FROM * detail.tolerance_m;
+        if tubes.smooth_wood > 0.0 {
+            tubes.smooth_wood +=
+                SMOOTH_FROM * detail.tolerance_m / self.wood.thickest_m().max(f32::MIN_POSITIVE);
         }
         tubes.features.flare_smallest_m = detail.smallest_radius_m;
         tubes.features.roots.smallest_m = detail.smallest_radius_m;

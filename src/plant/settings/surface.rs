@@ -32,18 +32,18 @@ impl Tubes {
                  multiply the triangles of wood as often. subdivide in refine does the same for the \
                  skeleton, with which leaves and forks move, too."
             ),
-            see_also(&["smooth_radius", "sides", "subdivisions", "triangles"])
+            see_also(&["smooth_wood", "sides", "subdivisions", "triangles"])
         ),
         field!(
-            "smooth_radius",
-            real(0.0, 100.0),
-            "m",
-            "wood from this radius on has as many rings as its curve needs to have no corners; 0: none has",
-            smooth_radius_m,
+            "smooth_wood",
+            real(0.0, 1.0),
+            "",
+            "wood from this share of the thickest radius on has as many rings as its curve needs to have no corners; 0: none",
+            smooth_wood,
             details(
                 "Trunks and limbs then turn by a few degrees from ring to ring, with up to 8 rings per segment; straight \
-                 wood has none more. 0.05 m adds some thousand triangles to an oak. Coarser levels of detail have it \
-                 on thicker wood alone."
+                 wood has none more. 0.15 adds some thousand triangles to an oak. Coarser levels of detail have it on \
+                 thicker wood alone."
             ),
             see_also(&["rings", "sides", "triangles"])
         ),

@@ -2,10 +2,12 @@
 
 use glam::Vec3;
 
+use super::Tubes;
 use super::path::Station;
+use linden_skeleton::{Skeleton, WidthSteps};
 
 /// On smooth wood the curve turns by no more than this from ring to ring on average of a segment, radians: 2.5 degrees.
-/// It does not turn evenly; nowhere does it by three times as much, of which no corner is seen.
+/// It does not turn evenly; where it turns most it is three times as much, of which no corner is seen.
 const MEAN_TURN: f32 = 0.043_633_23;
 /// What that takes at most: a segment between two nodes where the axis turns by 20 degrees.
 pub(super) const MOST_SMOOTH_RINGS: u32 = 8;
@@ -20,6 +22,16 @@ pub(super) struct Fineness {
 }
 
 impl Fineness {
+    /// Of a tree: steps that were asked for have no curve.
+    pub fn of(skeleton: &Skeleton, tubes: &Tubes) -> Self {
+        let (rings, share) = (tubes.rings, tubes.smooth_wood);
+        if share == 0.0 || skeleton.width_steps == WidthSteps::Cylinder {
+            return Self { rings, smooth_radius_m: 0.0 };
+        }
+        let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
+        Self { rings, smooth_radius_m: (share * thickest_m).max(f32::MIN_POSITIVE) }
+    }
+
     /// The most of a segment of a radius.
     pub fn most(self, radius_m: f32) -> u32 {
         let is_smooth = self.smooth_radius_m > 0.0 && radius_m >= self.smooth_radius_m;
@@ -27,7 +39,7 @@ impl Fineness {
     }
 
     /// Of a segment of a radius at whose ends the axis turns so far, radians.
-    fn of(self, radius_m: f32, turns: impl FnOnce() -> [f32; 2]) -> u32 {
+    fn rings(self, radius_m: f32, turns: impl FnOnce() -> [f32; 2]) -> u32 {
         let most = self.most(radius_m);
         if most == self.rings {
             return self.rings;
@@ -54,15 +66,10 @@ pub(super) fn subdivide(stations: &mut Vec<Station>, fineness: Fineness) {
     }
     let coarse = std::mem::take(stations);
     stations.reserve(coarse.len() * fineness.rings as usize);
-    let way = |i: usize| coarse[i + 1].position - coarse[i].position;
-    let turn = |i: usize| {
-        let is_end = i == 0 || i + 1 == coarse.len();
-        if is_end { 0.0 } else { between(way(i - 1), way(i)) }
-    };
-    for (i, pair) in coarse.windows(2).enumerate() {
+    let counts = segments(&coarse, fineness);
+    for ((i, pair), rings) in coarse.windows(2).enumerate().zip(counts) {
         let (from, to) = (pair[0], pair[1]);
         stations.push(from);
-        let rings = fineness.of(from.radius.max(to.radius), || [turn(i), turn(i + 1)]);
         if rings < 2 {
             continue;
         }
@@ -76,6 +83,19 @@ pub(super) fn subdivide(stations: &mut Vec<Station>, fineness: Fineness) {
         }));
     }
     stations.extend(coarse.last());
+}
+
+/// How many rings each segment has: one at its begin, and those up to its end.
+pub(super) fn segments(stations: &[Station], fineness: Fineness) -> impl Iterator<Item = u32> {
+    let way = |i: usize| stations[i + 1].position - stations[i].position;
+    let turn = move |i: usize| {
+        let is_end = i == 0 || i + 1 == stations.len();
+        if is_end { 0.0 } else { between(way(i - 1), way(i)) }
+    };
+    stations
+        .windows(2)
+        .enumerate()
+        .map(move |(i, pair)| fineness.rings(pair[0].radius.max(pair[1].radius), || [turn(i), turn(i + 1)]))
 }
 
 /// The angle between two ways, radians; 0 where one has no length.
@@ -115,6 +135,11 @@ impl Arc {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::surface::tests::tree;
+    use crate::surface::{bends, count};
+    use linden_base::monitor::Quiet;
+    use linden_base::random::Key;
+    use linden_skeleton::{NO_PARENT, Wood};
 
     fn through(points: &[(f32, f32)], rings: u32) -> Vec<Vec3> {
         let station = |&(x, y): &(f32, f32)| Station::new(Vec3::new(x, y, 0.0), y);
@@ -177,11 +202,56 @@ mod tests {
                 stations.windows(2).map(|pair| pair[1].position - pair[0].position).collect();
             ways.windows(2).map(|pair| pair[0].angle_between(pair[1]).to_degrees()).fold(0.0, f32::max)
         };
-        assert!(turn(&plain) > 19.0 && turn(&smooth) < 7.5, "{} {}", turn(&plain), turn(&smooth));
-        // No fewer than all wood has, and no more than MOST_SMOOTH_RINGS however it turns.
-        assert_eq!(bent(0.1, Fineness { rings: 4, ..fineness }).len(), 25);
+        assert!(turn(&plain) > 19.0 && turn(&smooth) < 8.0, "{} {}", turn(&plain), turn(&smooth));
+        // No fewer than all wood has: one segment needs five. And no more than MOST_SMOOTH_RINGS however it turns.
+        assert_eq!(bent(0.1, Fineness { rings: 4, ..fineness }).len(), 6 * 4 + 1 + 1);
         let mut hairpin = [0.0, 1.0, 0.0].map(|x| Station::new(Vec3::X * x, 0.2)).to_vec();
         subdivide(&mut hairpin, fineness);
         assert_eq!(hairpin.len(), 1 + 2 * MOST_SMOOTH_RINGS as usize);
+    }
+
+    /// A stem that turns a little here and there, or nowhere, with straight laterals.
+    fn bowed(seed: u64) -> Skeleton {
+        let key = Key::new(seed);
+        let (mut positions, mut parents) = (vec![Vec3::ZERO], vec![NO_PARENT]);
+        let (mut stem, mut degrees) = (0, 0.0);
+        for i in 0..8 {
+            let key = key.child(i);
+            if key.named("turns").unit() < 0.2 * (seed % 4) as f64 {
+                degrees += key.named("by").between(-9.0, 9.0) as f32;
+            }
+            let (x, y) = libm::sincosf(degrees.to_radians());
+            let along = Vec3::new(x, y, 0.0) * 0.5;
+            positions.push(positions[stem as usize] + along);
+            parents.push(stem);
+            stem = positions.len() as u32 - 1;
+            let side = along.cross(Vec3::Z);
+            for reach in [1.0, 2.0] {
+                positions.push(positions[stem as usize] + side * reach);
+                parents.push(if reach == 1.0 { stem } else { positions.len() as u32 - 2 });
+            }
+        }
+        tree(positions, parents, &Wood { tip_radius_m: Some(0.01), ..Wood::default() })
+    }
+
+    #[test]
+    fn what_is_said_of_bends_is_what_the_tube_has() {
+        let triangles = |skeleton: &Skeleton, smooth_wood: f32| {
+            let tubes = Tubes { smooth_wood, ..Tubes::default() };
+            let all = count(skeleton, &tubes, &Quiet).unwrap();
+            (all.iter().map(|tube| tube.triangles).sum::<usize>(), bends(skeleton, &tubes))
+        };
+        let mut seen = [0, 0];
+        for seed in 0..60 {
+            let skeleton = bowed(seed);
+            let (plain, never) = triangles(&skeleton, 0.0);
+            assert!(!never);
+            for share in [0.01, 0.5, 0.8, 1.0] {
+                let (smooth, bends) = triangles(&skeleton, share);
+                assert_eq!(smooth > plain, bends, "{seed} {share}: {smooth} {plain}");
+                seen[usize::from(bends)] += 1;
+            }
+        }
+        assert!(seen.iter().all(|&count| count > 20), "{seen:?}");
     }
 }

@@ -38,8 +38,10 @@ use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_skeleton::Skeleton;
 
 pub use count::count;
+
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use linden_base::topology::{Topology, crowded_edges, topology};
+pub(crate) use plan::bends;
 pub use roots::SurfaceRoots;
 pub use solid::MOST_SOLID_TRIANGLES;
 pub use stretch::Stretch;
@@ -56,8 +58,9 @@ pub struct Tubes {
     pub sides: u32,
     /// Rings per segment, at least 1: with more, the tube follows a smooth curve through the nodes.
     pub rings: u32,
-    /// Wood from this radius on, metres, has as many rings as its curve needs, so that it has no corners; 0: none has.
-    pub smooth_radius_m: f32,
+    /// Wood of at least this share of the thickest radius has as many rings as its curve needs, so that it has no
+    /// corners; 0: none has.
+    pub smooth_wood: f32,
     /// Length, in radii, over which a change of the radius is spread, above zero or 0 for none: the pipe
     /// model's steps end all at once above a fork, those of wood do not.
     pub width_smoothing: f32,
@@ -98,10 +101,6 @@ impl Tubes {
         }
         tubes
     }
-
-    fn fineness(&self) -> curve::Fineness {
-        curve::Fineness { rings: self.rings, smooth_radius_m: self.smooth_radius_m }
-    }
 }
 
 impl Default for Tubes {
@@ -109,7 +108,7 @@ impl Default for Tubes {
         Self {
             sides: 24,
             rings: 1,
-            smooth_radius_m: 0.0,
+            smooth_wood: 0.0,
             width_smoothing: 2.0,
             bark_tile_m: 0.5,
             features: Features::default(),

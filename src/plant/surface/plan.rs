@@ -22,6 +22,7 @@ pub(super) struct Course<'a> {
     pub skeleton: &'a Skeleton,
     pub tubes: &'a Tubes,
     pub roundness: Roundness,
+    pub fineness: Fineness,
     /// Where each node stands in [`Skeleton::axis_nodes`]; empty where no collar asks for it.
     places: Vec<u32>,
     forks: Forks,
@@ -42,7 +43,8 @@ impl<'a> Course<'a> {
         let roundness = Roundness::new(tubes.sides, thickest_m);
         let stools = Stools::new(skeleton, &tubes.features.roots);
         let boles = Boles::new(skeleton, &tubes.features.stubs);
-        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton), stools, boles }
+        let fineness = Fineness::of(skeleton, tubes);
+        Self { skeleton, tubes, roundness, fineness, places, forks: Forks::new(skeleton), stools, boles }
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
@@ -57,24 +59,14 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// How finely wood follows the curve through its nodes: steps that were asked for have no curve.
-    fn fineness(&self) -> Fineness {
-        match self.skeleton.width_steps {
-            WidthSteps::Taper => self.tubes.fineness(),
-            WidthSteps::Cylinder => Fineness { smooth_radius_m: 0.0, ..self.tubes.fineness() },
-        }
-    }
-
-    /// Appends the rings of an axis, and says how they become its tube.
-    fn lay(&self, index: usize, scratch: &mut Scratch, rings: &mut Vec<Ring>) -> TubeForm {
-        let Scratch { stations, kept } = scratch;
-        let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
+    /// Puts the nodes of an axis where its tube is to pass, as thick as it is to be there.
+    fn put_stations(&self, index: usize, stations: &mut Vec<Station>) {
+        let axis = &self.skeleton.axes[index];
         let nodes = self.skeleton.nodes_of(axis);
         stations.clear();
-        let runs_on = self.forks.runs_on(index as u32);
         if axis.parent != NO_PARENT {
             // A lateral is as thick at its root inside the parent as at its first node.
-            let thick = |&first| if runs_on { axis.parent } else { first };
+            let thick = |&first| if self.forks.runs_on(index as u32) { axis.parent } else { first };
             stations.extend(nodes.first().map(|first| self.station(axis.parent, thick(first))));
         }
         stations.extend(nodes.iter().map(|&node| self.station(node, node)));
@@ -83,9 +75,19 @@ impl<'a> Course<'a> {
         }
         // What was cut off ends as thick as it was there.
         let is_cut = nodes.last().is_some_and(|apex| self.skeleton.is_cut_at(*apex));
-        taper_twig(stations, if is_cut { 0.0 } else { features.twig_taper });
+        taper_twig(stations, if is_cut { 0.0 } else { self.tubes.features.twig_taper });
         path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
-        curve::subdivide(stations, self.fineness());
+    }
+
+    /// Appends the rings of an axis, and says how they become its tube.
+    fn lay(&self, index: usize, scratch: &mut Scratch, rings: &mut Vec<Ring>) -> TubeForm {
+        let Scratch { stations, kept } = scratch;
+        let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
+        let runs_on = self.forks.runs_on(index as u32);
+        let nodes = self.skeleton.nodes_of(axis);
+        let is_cut = nodes.last().is_some_and(|apex| self.skeleton.is_cut_at(*apex));
+        self.put_stations(index, stations);
+        curve::subdivide(stations, self.fineness);
         path::prepare(stations, self.softness());
         let is_stem = axis.parent == NO_PARENT;
         let mut form = TubeForm { axis: index as u32, is_stem, ..TubeForm::default() };
@@ -159,7 +161,7 @@ impl<'a> Course<'a> {
         if self.skeleton.width_steps == WidthSteps::Cylinder {
             path::step(&mut spine);
         }
-        curve::subdivide(&mut spine, self.fineness());
+        curve::subdivide(&mut spine, self.fineness);
         path::prepare(&mut spine, self.softness());
         if is_base
             && root == NO_PARENT
@@ -288,17 +290,29 @@ impl Plan {
     }
 }
 
+/// Whether smooth wood has rings between its nodes anywhere.
+pub fn bends(skeleton: &Skeleton, tubes: &Tubes) -> bool {
+    let course = Course::new(skeleton, tubes);
+    let mut stations = Vec::new();
+    (0..skeleton.axes.len()).any(|index| {
+        course.put_stations(index, &mut stations);
+        curve::segments(&stations, course.fineness).any(|rings| rings > tubes.rings)
+    })
+}
+
 /// What plans take at most, with the lists of rings that grow one by one.
 pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
     let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
-    places + Forks::bytes_for(skeleton) + planned_bytes_of(skeleton, &skeleton.axes, tubes)
+    places
+        + Forks::bytes_for(skeleton)
+        + planned_bytes_of(skeleton, &skeleton.axes, tubes, Fineness::of(skeleton, tubes))
 }
 
 /// The same for some of its axes, without what is shared by all.
-pub(super) fn planned_bytes_of(skeleton: &Skeleton, axes: &[Axis], tubes: &Tubes) -> u64 {
+pub(super) fn planned_bytes_of(skeleton: &Skeleton, axes: &[Axis], tubes: &Tubes, fineness: Fineness) -> u64 {
     let stems = axes.iter().filter(|axis| axis.parent == NO_PARENT).count();
     // A ring for each node and one more for each lateral, and those between.
-    let most = axes.iter().map(|axis| most_rings(skeleton, axis, tubes)).fold(0, usize::saturating_add);
+    let most = axes.iter().map(|axis| most_rings(skeleton, axis, fineness)).fold(0, usize::saturating_add);
     let axes = axes.len();
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
     let roots = Stools::most(stems) * roots::most_roots(tubes.features.roots.count);
@@ -313,16 +327,15 @@ pub(super) fn planned_bytes_of(skeleton: &Skeleton, axes: &[Axis], tubes: &Tubes
 }
 
 /// The most rings of an axis.
-fn most_rings(skeleton: &Skeleton, axis: &Axis, tubes: &Tubes) -> usize {
+fn most_rings(skeleton: &Skeleton, axis: &Axis, fineness: Fineness) -> usize {
     let segments = axis.len as usize + 1;
-    let fineness = tubes.fineness();
     if fineness.smooth_radius_m == 0.0 {
         return segments.saturating_mul(fineness.rings as usize);
     }
     // A lateral's first segment is as thick as its parent at most.
     let nodes = skeleton.nodes_of(axis);
     let root = if axis.parent == NO_PARENT { nodes.first() } else { Some(&axis.parent) };
-    // Tubes of few sides are somewhat thicker than their wood.
+    // What is too thin for single precision is made thicker.
     let most = |&node: &u32| fineness.most(2.0 * skeleton.radii[node as usize]) as usize;
     // A segment is as thick as the thicker of its ends.
     let ends = root.into_iter().chain(nodes).map(most).fold(0, usize::saturating_add);

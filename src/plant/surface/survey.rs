@@ -99,7 +99,7 @@ pub fn survey_by<T: Send>(
             nodes += axis.len as usize;
             end += 1;
         }
-        let planned = planned_bytes_of(skeleton, &skeleton.axes[first..end], tubes);
+        let planned = planned_bytes_of(skeleton, &skeleton.axes[first..end], tubes, surveyor.course.fineness);
         monitor.admit(DOING, planned, ADVICE)?;
         // Stretches are visited in their order, which is one thread's work, beside the next piece.
         let visited = || seen.into_iter().flatten().for_each(&mut *visit);
