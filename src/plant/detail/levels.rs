@@ -18,7 +18,7 @@ use crate::wind::{Blown, Field};
 use crate::{Body, Specimen};
 use linden_base::monitor::Holding;
 use linden_base::monitor::Monitor;
-use linden_skeleton::Skeleton;
+use linden_skeleton::{Skeleton, WidthSteps};
 
 /// Levels of detail of one tree.
 #[derive(Debug)]
@@ -179,7 +179,9 @@ impl Plan {
         monitor: &dyn Monitor,
     ) -> Result<Self, DetailError> {
         let Dressing { detail, tubes, .. } = dressing;
-        if tubes.smooth_wood > 0.0 && !bends(body.skeleton, tubes) {
+        // Steps that were asked for have no curve, which is said of the knob.
+        let is_asked = tubes.smooth_wood > 0.0 && body.skeleton.width_steps == WidthSteps::Taper;
+        if is_asked && !bends(body.skeleton, tubes) {
             notes.push("smooth_wood: no wood of that thickness has a corner at a node".to_owned());
         }
         let budgets = detail.budgets();
