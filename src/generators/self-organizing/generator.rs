@@ -190,6 +190,11 @@ impl Settings for SelfOrganizing {
         let note = || format!("{} of {all} {what} died in the shade {shade}", grown.died);
         let mut notes = barriers.notes.clone();
         notes.extend((grown.died > 0).then(note));
+        // At whatever age the stand is shown.
+        let late = self.stand.iter().filter(|tree| tree.felled_in > self.years).count();
+        let note =
+            || format!("felled changes nothing for {late} of the trees: the last year is {}", self.years);
+        notes.extend((late > 0).then(note));
         let barred =
             (!barriers.is_empty()).then(|| -> Barred { Box::new(move |p| barriers.hold(p.as_dvec3())) });
         let most_nodes = self.max_nodes.into();
@@ -347,6 +352,19 @@ mod tests {
             .fold((0, 0_usize), |(there, all), (_, place)| (there + usize::from(is_there(place)), all + 1));
         assert!(all > 50 && there == all, "{there} of {all}");
         assert!(young.positions.len() >= all);
+    }
+
+    #[test]
+    fn a_felling_behind_the_last_year_is_told() {
+        let inputs = Inputs::new();
+        let notes = |felled_in, age| {
+            let stand = vec![Neighbour { at: [2.0, 0.0], felled_in }, Neighbour::at([-2.0, 0.0])];
+            let settings = SelfOrganizing { stand, years: 9, age, ..SelfOrganizing::default() };
+            Settings::grow(&settings, &task(&inputs), &Quiet).unwrap().notes
+        };
+        assert_eq!(notes(10, 1.0), ["felled changes nothing for 1 of the trees: the last year is 9"]);
+        // A young stand has its felling ahead.
+        assert!(notes(9, 1.0).is_empty() && notes(9, 0.5).is_empty());
     }
 
     struct Watched {

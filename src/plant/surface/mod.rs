@@ -38,7 +38,6 @@ use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_skeleton::Skeleton;
 
 pub use count::count;
-
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use linden_base::topology::{Topology, crowded_edges, topology};
 pub(crate) use plan::bends;
