@@ -64,13 +64,15 @@ pub struct Branching {
 
 /// How a node is joined to its parent: the two relations between internodes of an axial tree (ABOP,
 /// section 1.6.1), written `<` and `+` in multiscale tree graphs (Godin & Caraglio 1998).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Edge {
     /// It continues its parent's axis.
     #[default]
     Succeeds,
     /// It begins a lateral axis.
     Branches,
+    /// It begins a lateral axis of dead wood: nothing that is borne by it lives.
+    Dies,
 }
 
 /// One axis: a chain of internodes from its base to its apex.
@@ -158,6 +160,17 @@ pub enum SkeletonError {
         /// The node.
         node: usize,
     },
+}
+
+/// Which nodes are dead wood; `None` where none are.
+fn dead(parents: &[u32], edges: &[Edge]) -> Option<Vec<bool>> {
+    edges.contains(&Edge::Dies).then(|| {
+        let mut is_dead = vec![false; parents.len()];
+        for (node, (&parent, &edge)) in parents.iter().zip(edges).enumerate() {
+            is_dead[node] = parent != NO_PARENT && (edge == Edge::Dies || is_dead[parent as usize]);
+        }
+        is_dead
+    })
 }
 
 /// Takes out all items that are not to be kept.
@@ -274,11 +287,26 @@ impl Skeleton {
     pub fn build_keyed(branching: Branching, wood: &Wood, key: Key) -> Result<Self, SkeletonError> {
         branching.validate()?;
         let Branching { positions, parents, births, radii: given, edges } = branching;
+        let is_dead = edges.as_deref().and_then(|edges| dead(&parents, edges));
         let edges = edges.filter(|_| wood.axes != AxisRule::Thickest);
         let Built { axes, axis_nodes, radii } =
             radii::build(&positions, &parents, given, edges.as_deref(), wood, key);
         let (width_steps, marks) = (wood.width_steps, Marks::default());
-        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks, fits: Vec::new() })
+        let mut tree = Self {
+            positions,
+            parents,
+            radii,
+            births,
+            axes,
+            axis_nodes,
+            width_steps,
+            marks,
+            fits: Vec::new(),
+        };
+        if let Some(is_dead) = is_dead {
+            tree.kill(|tree, axis| tree.nodes_of(axis).first().is_some_and(|&base| is_dead[base as usize]));
+        }
+        Ok(tree)
     }
 
     /// The nodes of an axis, base to apex.

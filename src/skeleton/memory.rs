@@ -81,7 +81,7 @@ impl Branching {
     fn axes(&self) -> usize {
         if let Some(edges) = &self.edges {
             let stems = self.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
-            return edges.iter().filter(|edge| **edge == Edge::Branches).count() + stems;
+            return edges.iter().filter(|edge| **edge != Edge::Succeeds).count() + stems;
         }
         let nodes = self.parents.len();
         let mut has_child = vec![false; nodes];

@@ -99,6 +99,24 @@ impl Skeleton {
         matches!(self.kind_bits(axis), SHOOT | DEAD)
     }
 
+    /// Marks axes that grew, and all that they bear, as dead.
+    pub(crate) fn kill(&mut self, dies: impl Fn(&Self, &Axis) -> bool) {
+        if self.marks.numbers.is_empty() {
+            self.marks.numbers = (0..self.axes.len() as u32).collect();
+        }
+        let axis_of = self.axis_of_nodes();
+        let mut is_dead = vec![false; self.axes.len()];
+        // What bears comes before what it bears.
+        for axis in 0..self.axes.len() {
+            let parent = self.axes[axis].parent;
+            let is_borne_by_dead = parent != NO_PARENT && is_dead[axis_of[parent as usize] as usize];
+            is_dead[axis] = is_borne_by_dead || dies(self, &self.axes[axis]);
+            if is_dead[axis] {
+                self.marks.numbers[axis] = KILLED | axis as u32;
+            }
+        }
+    }
+
     fn kind_bits(&self, axis: usize) -> u32 {
         self.marks.numbers.get(axis).map_or(0, |number| number >> KIND_SHIFT << KIND_SHIFT)
     }
@@ -158,7 +176,8 @@ impl SideWood {
         let least_m = LIMB * site.foot_radius_m;
         for axis in 0..site.grown {
             let is_stem = site.tree.axes[axis].parent == NO_PARENT;
-            if !is_stem && site.radius_at_base(axis) < least_m {
+            let is_dead = site.tree.kind_of(axis) == AxisKind::Dead;
+            if is_dead || !is_stem && site.radius_at_base(axis) < least_m {
                 continue;
             }
             let key = key.child(axis as u64);
@@ -313,21 +332,10 @@ impl<'a> Site<'a> {
     /// Marks limbs that leave a stem below a share of the height, and all that they bear, as dead.
     fn kill_below(&mut self, share: f64) {
         let top_m = self.floor_m + share as f32 * self.height_m;
-        let tree = &mut *self.tree;
-        let axis_of = tree.axis_of_nodes();
-        let mut is_dead = vec![false; self.grown];
-        // What bears comes before what it bears.
-        for axis in 0..self.grown {
-            let Axis { order, parent, .. } = tree.axes[axis];
-            if parent == NO_PARENT {
-                continue;
-            }
-            let low = order == 1 && tree.positions[parent as usize].y < top_m;
-            is_dead[axis] = low || is_dead[axis_of[parent as usize] as usize];
-            if is_dead[axis] {
-                tree.marks.numbers[axis] = KILLED | axis as u32;
-            }
-        }
+        let is_low = |tree: &Skeleton, axis: &Axis| {
+            axis.order == 1 && axis.parent != NO_PARENT && tree.positions[axis.parent as usize].y < top_m
+        };
+        self.tree.kill(is_low);
     }
 
     fn radius_at_base(&self, axis: usize) -> f32 {
@@ -539,6 +547,12 @@ mod tests {
             );
             [0, 1].map(|axis| dead.kind_of(axis))
         };
+        // Dead wood does not sprout.
+        let sprouts = |below: f64| {
+            let more = with(&SideWood { dead_below: below, ..shooting(6.0) });
+            more.axes.iter().any(|axis| (41..57).contains(&axis.parent))
+        };
+        assert!(sprouts(0.45) && !sprouts(0.55));
         // The limb leaves at half of the height.
         assert_eq!(kinds(0.45), [AxisKind::Grown; 2]);
         assert_eq!(kinds(0.55), [AxisKind::Grown, AxisKind::Dead]);

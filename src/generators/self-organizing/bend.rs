@@ -9,6 +9,7 @@ use linden_base::monitor::Monitor;
 use crate::SelfOrganizing;
 use crate::grow::Growth;
 use crate::shadow::Change;
+use crate::tree::{DEAD, Nodes};
 
 /// Young's modulus of green wood, Pa; 5e9 to 12e9 are measured.
 const STIFFNESS: f64 = 8e9;
@@ -16,6 +17,8 @@ const STIFFNESS: f64 = 8e9;
 const DENSITY: f64 = 900.0;
 /// m/s².
 const GRAVITY: f64 = 9.81;
+/// How much more reaction wood strains as it matures than the wood opposite to it: 0.001 to 0.004 are measured.
+const STRAIN: f64 = 2e-3;
 /// The most that an internode bends in a year, radians.
 const MOST: f64 = 0.3;
 /// How far down an internode points at least that such a bend takes past the vertical, a little less than cos [`MOST`].
@@ -36,10 +39,12 @@ impl Growth<'_> {
     ///
     /// The year's growth of the moment M about an internode bends it by the beam's `Δκ = ΔM / (E·I)`,
     /// I = π·d⁴/64, with the wood that it has now; new wood is laid on the bent shape and keeps it, so that nothing
-    /// springs back when loads fall. Stems stay upright, as reaction wood keeps them. Limbs arch; shoots that turn up as they grow make their tips rise. Nodes that
-    /// come to another voxel take their shade along.
+    /// springs back when loads fall. Stems stay upright, as reaction wood keeps them. Limbs arch; shoots that turn up as
+    /// they grow make their tips rise, and reaction wood rights them ([`righted`]). Nodes that come to another voxel
+    /// take their shade along.
     pub fn bend(&mut self, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        let turns = self.turns();
+        let pipes = self.nodes.pipes();
+        let turns = self.turns(&pipes);
         let nodes = &mut self.nodes;
         // Places before and after, and how much is turned, of all that was looked at.
         let mut moved: Vec<(DVec3, DQuat)> = Vec::with_capacity(nodes.len());
@@ -53,6 +58,7 @@ impl Growth<'_> {
             let parent = nodes.parents[node] as usize;
             let (parent_old, below) = moved[parent];
             let all = (below * turn).normalize();
+            let all = righted(nodes, node, pipes[node], all, self.settings);
             moved.push((old, all));
             if all == DQuat::IDENTITY && nodes.places[parent].as_dvec3() == parent_old {
                 continue;
@@ -69,7 +75,7 @@ impl Growth<'_> {
             nodes.directions[node] = (all * nodes.directions[node].as_dvec3()).normalize().as_vec3();
             nodes.sides[node] = (all * nodes.sides[node].as_dvec3()).normalize().as_vec3();
             let after = nodes.voxel(node);
-            if after != before {
+            if after != before && !nodes.is(node, DEAD) {
                 changes.push(Change { voxel: before, is_gone: true });
                 changes.push(Change { voxel: after, is_gone: false });
             }
@@ -78,10 +84,9 @@ impl Growth<'_> {
     }
 
     /// How much each internode turns where it begins, against the one below.
-    fn turns(&mut self) -> Vec<DQuat> {
+    fn turns(&mut self, pipes: &[u32]) -> Vec<DQuat> {
         let settings = self.settings;
         let nodes = &mut self.nodes;
-        let pipes = nodes.pipes();
         let kept: Vec<f64> = (0..KEPT).map(|pipes| settings.diameter_m(pipes)).collect();
         let diameter_m =
             |pipes: u32| kept.get(pipes as usize).copied().unwrap_or_else(|| settings.diameter_m(pipes));
@@ -98,7 +103,8 @@ impl Growth<'_> {
             let diameter = diameter_m(pipes[node]);
             let length = (end - start).length();
             let wood = GRAVITY * DENSITY * PI / 4.0 * diameter * diameter * length;
-            let leaves = GRAVITY * settings.leaf_weight_kg;
+            let is_dead = nodes.is(node, DEAD);
+            let leaves = if is_dead { 0.0 } else { GRAVITY * settings.leaf_weight_kg };
             let middle = (start + end) / 2.0;
             let load = &mut loads[node];
             load.weight += wood + leaves;
@@ -136,6 +142,36 @@ impl Growth<'_> {
         }
         turns
     }
+}
+
+/// How much an internode is turned in all, where it is turned by `all` before it rights itself.
+///
+/// Reaction wood rights it: what a year lays around a radius shrinks, or swells, by [`STRAIN`] more on one side than on
+/// the other, evenly between, and so bends it by `dκ = 2·Δε·dR/R²` (the ring's moment by its stiffness; after Fournier
+/// et al. 1994, *Tree biomechanics*). There is as much of it as the internode is off the inclination A₀ at which it grew,
+/// sin(A − A₀) (Bastien et al. 2013, *Unifying model of shoot gravitropism*, PNAS 110), once it stands on what is below.
+fn righted(nodes: &mut Nodes, node: usize, pipes: u32, all: DQuat, settings: &SelfOrganizing) -> DQuat {
+    let before = std::mem::replace(&mut nodes.pipes_before[node], pipes);
+    let is_new = before == 0;
+    if settings.righting == 0.0
+        || nodes.orders[node] == 0
+        || nodes.is(node, DEAD)
+        || is_new
+        || before >= pipes
+    {
+        return all;
+    }
+    let direction = all * nodes.directions[node].as_dvec3();
+    let inclination = |rise: f64| libm::acos(rise.clamp(-1.0, 1.0));
+    let away = inclination(direction.y) - inclination(nodes.rises[node].into());
+    // Upright or hanging, it has no side to turn to.
+    let Some(axis) = direction.cross(DVec3::Y).try_normalize().filter(|_| away != 0.0) else { return all };
+    let parent = nodes.parents[node] as usize;
+    let length_m = f64::from(nodes.places[node].distance(nodes.places[parent])) * settings.internode_m;
+    let [was, is] = [before, pipes].map(|pipes| 2.0 / settings.diameter_m(pipes));
+    let most = settings.righting * 2.0 * STRAIN * length_m * (was - is);
+    let back = (most * libm::sin(away)).clamp(-away.abs(), away.abs());
+    (DQuat::from_axis_angle(axis, back) * all).normalize()
 }
 
 impl SelfOrganizing {

@@ -280,6 +280,7 @@ mod tests {
             ("shed", "0.1"),
             ("shed_grace", "1"),
             ("shed_patience", "3"),
+            ("dead_years", "4"),
             ("bole", "0.8"),
             ("twig_diameter", "0.01"),
             ("pipe_exponent", "2"),
@@ -309,6 +310,7 @@ mod tests {
         assert_ne!(hash(&SelfOrganizing { whorl: 3, ..whorled.clone() }), hash(&whorled));
         let heavy = SelfOrganizing { sag: 1.0, ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { leaf_weight_kg: 0.02, ..heavy.clone() }), hash(&heavy));
+        assert_ne!(hash(&SelfOrganizing { righting: 0.5, ..heavy.clone() }), hash(&heavy));
         let by_order = SelfOrganizing { upward: vec![0.3, 0.0], ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
         let sky = SelfOrganizing { light: crate::LightModel::Sky, shade: 0.3, shed: 0.2, ..base.clone() };
@@ -329,6 +331,7 @@ mod tests {
             stem_lean_deg: 5.0,
             whorl: 3,
             leaf_years: 1,
+            righting: 1.0,
             priority_share: 1.0,
             mature_from: 3,
             decline_from: 3,

@@ -14,7 +14,7 @@ use crate::shed::shed;
 use crate::shoot::{Shoot, across, internodes};
 use crate::stool::{self, Stem};
 use crate::sums::Sums;
-use crate::tree::{APEX, LATERAL, NODE_BYTES, Node, Nodes, SHED};
+use crate::tree::{APEX, DEAD, LATERAL, NODE_BYTES, Node, Nodes, SHED};
 use crate::{SelfOrganizing, SelfOrganizingError};
 
 const DOING: &str = "growing by light";
@@ -195,19 +195,19 @@ impl<'a> Growth<'a> {
         let shares = Shares::new(&self.nodes, &sums, self.settings, self.year);
         let bole = self.nodes.bole(self.settings);
         self.fell();
-        let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year, bole);
+        let lost = shed(&mut self.nodes, &sums, self.settings, self.year, bole);
         let shoots = self.shoots(&shares);
-        self.admit(&shoots, shed_nodes, monitor)?;
+        self.admit(&shoots, lost.nodes, monitor)?;
         let old = self.nodes.len();
         self.sprout(&shoots, bole.into(), monitor)?;
-        let shed = (0..old).filter(|&node| self.nodes.is(node, SHED) && !self.nodes.is_foot(node));
         let change = |node, is_gone| Change { voxel: self.nodes.voxel(node), is_gone };
-        let mut changes: Vec<Change> = shed.map(|node| change(node, true)).collect();
+        let mut changes: Vec<Change> =
+            lost.leafless.iter().map(|&node| change(node as usize, true)).collect();
         changes.extend((old..self.nodes.len()).map(|node| change(node, false)));
         self.light.change(&mut changes, monitor)?;
-        if shed_nodes > 0 {
+        if lost.nodes > 0 {
             self.nodes.compact();
-            self.shed += shed_nodes as u64;
+            self.shed += lost.nodes as u64;
         }
         if self.settings.sag > 0.0 {
             self.bend(monitor)?;
@@ -340,7 +340,11 @@ impl<'a> Growth<'a> {
         }
         let radius = |&pipes: &u32| (0.5 * settings.diameter_m(pipes)) as f32;
         let place = |place: &Vec3| in_metres(*place, settings.internode_m);
-        let edge = |flags: &u8| if flags & LATERAL == 0 { Edge::Succeeds } else { Edge::Branches };
+        let edge = |flags: &u8| match flags & (LATERAL | DEAD) {
+            LATERAL => Edge::Branches,
+            flags if flags & LATERAL != 0 => Edge::Dies,
+            _ => Edge::Succeeds,
+        };
         let branching = Branching {
             positions: nodes.places.iter().map(place).collect(),
             radii: Some(pipes.iter().map(radius).collect()),

@@ -377,6 +377,17 @@ impl SelfOrganizing {
             see_also(&["shed"])
         ),
         field!(
+            "dead_years",
+            integer(0, 254),
+            "years",
+            "how long branches that died stay, bare and brittle; 0: they fall at once",
+            dead_years,
+            details(
+                "What a dead branch bears falls after half of them: a bare pole is left, as below the crowns of pines."
+            ),
+            see_also(&["shed"])
+        ),
+        field!(
             "bole",
             real(0.0, 1000.0),
             "m",
@@ -415,7 +426,19 @@ impl SelfOrganizing {
                 "Laterals are beams of 8 GPa and 900 kg/m3, bent each year by what came upon them; nothing springs \
                  back. Limbs arch, and with upward above 0 their tips rise. Stems stay upright."
             ),
-            see_also(&["leaf_weight", "twig_diameter", "upward"])
+            see_also(&["righting", "leaf_weight", "twig_diameter", "upward"])
+        ),
+        field!(
+            "righting",
+            real(0.0, 10.0),
+            "",
+            "how far branches that sank raise themselves again by reaction wood: 1 as trees do, 0 not at all",
+            righting,
+            details(
+                "1 as it does in trees, where a year's wood strains by 0.2 % more on one side; as much as an internode is off the \
+                 direction in which it grew, and the less the thicker it is: the ends of limbs rise sooner than their bases."
+            ),
+            see_also(&["sag", "upward"])
         ),
         field!(
             "leaf_weight",
@@ -447,12 +470,12 @@ impl SelfOrganizing {
             "decline_from" if self.decline_years.is_none() => Some("decline is auto: vigor stays"),
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
-            "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "shed_grace" | "shed_patience" | "dead_years" if self.shed == 0.0 => Some("shed is 0"),
             "stool" | "stem_lean" if self.stems == 1 => {
                 Some("stems is 1: the stem stands upright on its foot")
             }
             "bole" if self.max_order == 0 => Some("max_order is 0: there are no branches"),
-            "leaf_weight" if self.sag == 0.0 => Some("sag is 0"),
+            "leaf_weight" | "righting" if self.sag == 0.0 => Some("sag is 0"),
             "shade_falloff" | "shade_depth" | "light_from" | "light_pull" | "leaf_years"
                 if self.shade == 0.0 =>
             {

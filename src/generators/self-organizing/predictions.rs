@@ -406,6 +406,39 @@ fn branches_sink_under_their_weight_and_keep_their_lengths() {
 }
 
 #[test]
+fn branches_that_sank_rise_again_thin_ones_more_than_thick_ones() {
+    let straight = SelfOrganizing { sag: 0.5, ..measured() };
+    // How far internodes of limbs that are as thick as so many twigs, at least and at most, have turned down since they
+    // grew, the mean, radians.
+    let sunk = |righting| {
+        let settings = SelfOrganizing { righting, ..straight.clone() };
+        let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+        (0..25).for_each(|_| growth.grow_year(&Quiet).unwrap());
+        let nodes = &growth.nodes;
+        let pipes = nodes.pipes();
+        [[2, 8], [60, 100_000]].map(|[least, most]| {
+            let limbs = (0..nodes.len()).filter(|&node| nodes.orders[node] > 0);
+            let limbs = limbs.filter(|&node| (least..most).contains(&pipes[node]));
+            let inclination = |rise: f32| f64::from(rise.clamp(-1.0, 1.0)).acos();
+            let away: Vec<f64> = limbs
+                .map(|node| inclination(nodes.directions[node].y) - inclination(nodes.rises[node]))
+                .collect();
+            assert!(away.len() > 20, "{}", away.len());
+            away.iter().sum::<f64>() / away.len() as f64
+        })
+    };
+    let [none, some, more] = [0.0, 1.0, 2.0].map(sunk);
+    println!("{none:?} {some:?} {more:?}");
+    for thickness in [0, 1] {
+        assert!(none[thickness] > some[thickness] && some[thickness] > more[thickness], "{thickness}");
+    }
+    assert!(some[0] / none[0] < 0.9 * some[1] / none[1], "{none:?} {some:?}");
+    // What does not sink has nothing to right.
+    let upright = |righting| hash(grown(&SelfOrganizing { sag: 0.0, righting, ..straight.clone() }, 6));
+    assert_eq!(upright(0.0), upright(1.0));
+}
+
+#[test]
 fn refusals_say_what_to_turn() {
     let settings = SelfOrganizing { max_nodes: 500, ..measured() };
     let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();

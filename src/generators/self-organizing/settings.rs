@@ -128,6 +128,8 @@ pub struct SelfOrganizing {
     pub shed_grace: u32,
     /// Years in a row for which a branch must be too dark.
     pub shed_patience: u32,
+    /// Years for which a branch that died stays; 0: it falls at once.
+    pub dead_years: u32,
     /// Height below which no branch grows, metres, up to a third of the tree's: browsed or pruned. Stems do.
     pub bole_m: f64,
     /// Diameter of the last internodes, metres.
@@ -136,6 +138,8 @@ pub struct SelfOrganizing {
     pub pipe_exponent: f64,
     /// How far branches bend under their weight: 1 as green wood does, 0 not at all.
     pub sag: f64,
+    /// How far branches that sank raise themselves again: 1 as reaction wood does, 0 not at all.
+    pub righting: f64,
     /// Weight of the leaves of a node, kilograms.
     pub leaf_weight_kg: f64,
     /// Larger trees are refused.
@@ -200,10 +204,12 @@ impl Default for SelfOrganizing {
             shed: 0.2,
             shed_grace: 3,
             shed_patience: 2,
+            dead_years: 0,
             bole_m: 0.0,
             twig_diameter_m: 0.002,
             pipe_exponent: 2.5,
             sag: 0.0,
+            righting: 0.0,
             leaf_weight_kg: 0.001,
             max_nodes: 10_000_000,
         }

@@ -5,18 +5,29 @@ use linden_skeleton::NO_PARENT;
 use crate::SelfOrganizing;
 use crate::light::FULL_LIGHT;
 use crate::sums::Sums;
-use crate::tree::{LATERAL, Nodes, SHED};
+use crate::tree::{APEX, DEAD, LATERAL, Nodes, SHED};
 
 /// The least light of a tree in a stand for each of its internodes ÷ that of a branch. A stem bears the bare wood of its
 /// bole: old oaks in the open have about as little as a branch may have, the last trees below a canopy a quarter of it.
 const OF_A_TREE: f64 = 0.5;
 
-/// Marks the branches that are shed this year, [`SHED`]; how many nodes that are.
+/// What a year took.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Lost {
+    /// Nodes that are marked [`SHED`].
+    pub nodes: usize,
+    /// Those, and what died, that had leaves and buds until now; without feet.
+    pub leafless: Vec<u32>,
+}
+
+/// Marks the branches that are shed this year, [`SHED`], and those that die and stay, [`DEAD`].
 ///
 /// A branch goes when for [`SelfOrganizing::shed_patience`] years in a row, and after its grace, the light of its
 /// buds ÷ its internodes was below [`SelfOrganizing::shed`] (Pałubicki et al. 2009, section 4.5). It is judged by the
 /// light at the beginning of the year; its buds do not grow in the year in which it goes, and what they would have
 /// got is lost. Its tips stay in the pipes of the node that bore it.
+///
+/// With [`SelfOrganizing::dead_years`] it dies first, and is shed so many years later; what it bears, after half of them.
 ///
 /// Where several trees stand, one dies, its foot included, when it gets no light at all, or for as long less than
 /// [`OF_A_TREE`] of what a branch must have. A lone tree stays whatever its light.
@@ -24,48 +35,95 @@ const OF_A_TREE: f64 = 0.5;
 /// A foot that is marked already takes its tree with it: it is felled.
 ///
 /// A branch that begins below the height of the bole, in internodes, is cut off whatever its light.
-pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> usize {
+pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> Lost {
+    let mut lost = Lost::default();
     let is_felled = |node| nodes.is_foot(node) && nodes.is(node, SHED);
     if settings.shed == 0.0 && bole == 0.0 && !(0..nodes.len()).any(is_felled) {
-        return 0;
+        return lost;
     }
     let is_stand = nodes.parents.iter().filter(|&&parent| parent == NO_PARENT).nth(1).is_some();
-    let mut count = 0;
     let mut pipes = Vec::new();
     for node in 0..nodes.len() {
         if nodes.is_foot(node) {
-            if nodes.is(node, SHED) {
-                count += 1;
-                continue;
-            }
             let least = OF_A_TREE * settings.shed;
             let is_dark = || sums.total(node) == 0 && settings.shed > 0.0;
-            if is_stand && (is_dark() || is_too_dark(nodes, node, sums, settings, least, year)) {
+            if nodes.is(node, SHED)
+                || is_stand && (is_dark() || is_too_dark(nodes, node, sums, settings, least, year))
+            {
                 nodes.flags[node] |= SHED;
-                count += 1;
+                lost.nodes += 1;
             }
             continue;
         }
+        let was_dead = nodes.is(node, DEAD);
         let parent = nodes.parents[node] as usize;
-        if nodes.is(parent, SHED) {
-            nodes.flags[node] |= SHED;
-            count += 1;
-            continue;
-        }
-        if !nodes.is(node, LATERAL) {
-            continue;
-        }
-        let is_cut = nodes.orders[node] > 0 && nodes.places[parent].y < bole;
-        if is_cut || is_too_dark(nodes, node, sums, settings, settings.shed, year) {
-            if pipes.is_empty() {
-                pipes = nodes.pipes();
+        match fate(nodes, node, sums, settings, year, bole) {
+            Fate::Stays => continue,
+            Fate::Dies => {
+                nodes.flags[node] = nodes.flags[node] & !APEX | DEAD;
+                nodes.buds[node] = 0;
+                nodes.dark_years[node] = 0;
             }
-            nodes.flags[node] |= SHED;
-            nodes.shed_tips[parent] = nodes.shed_tips[parent].saturating_add(pipes[node]);
-            count += 1;
+            Fate::Goes => {
+                if !nodes.is(parent, SHED) {
+                    if pipes.is_empty() {
+                        pipes = nodes.pipes();
+                    }
+                    nodes.shed_tips[parent] = nodes.shed_tips[parent].saturating_add(pipes[node]);
+                }
+                nodes.flags[node] |= SHED;
+                lost.nodes += 1;
+            }
+        }
+        if !was_dead {
+            lost.leafless.push(node as u32);
         }
     }
-    count
+    lost
+}
+
+/// What becomes of a node in a year.
+enum Fate {
+    /// As it was: alive or dead.
+    Stays,
+    Dies,
+    Goes,
+}
+
+/// What becomes of a node above a foot, after that of its parent.
+fn fate(
+    nodes: &mut Nodes,
+    node: usize,
+    sums: &Sums,
+    settings: &SelfOrganizing,
+    year: u32,
+    bole: f32,
+) -> Fate {
+    let (parent, is_dead) = (nodes.parents[node] as usize, nodes.is(node, DEAD));
+    let is_borne_by_dead = nodes.is(parent, DEAD);
+    if nodes.is(parent, SHED) {
+        return Fate::Goes;
+    }
+    if !nodes.is(node, LATERAL) {
+        return if is_borne_by_dead && !is_dead { Fate::Dies } else { Fate::Stays };
+    }
+    if nodes.orders[node] > 0 && nodes.places[parent].y < bole {
+        return Fate::Goes;
+    }
+    if is_dead {
+        let years = settings.dead_years;
+        let most = if is_borne_by_dead { years.div_ceil(2) } else { years };
+        nodes.dark_years[node] += 1;
+        return if u32::from(nodes.dark_years[node]) >= most { Fate::Goes } else { Fate::Stays };
+    }
+    if is_borne_by_dead {
+        return Fate::Dies;
+    }
+    match is_too_dark(nodes, node, sums, settings, settings.shed, year) {
+        false => Fate::Stays,
+        true if settings.dead_years == 0 => Fate::Goes,
+        true => Fate::Dies,
+    }
 }
 
 /// Counts the years in which a branch, or a tree by its foot, gets less light than `least` for each of its internodes;
@@ -121,7 +179,7 @@ mod tests {
                 internodes: vec![2, 2, 1],
                 ..Sums::default()
             };
-            (shed(&mut nodes, &sums, settings, year, 0.0) > 0).then(|| {
+            (shed(&mut nodes, &sums, settings, year, 0.0).nodes > 0).then(|| {
                 assert!(nodes.is(2, SHED) && !nodes.is(1, SHED));
                 assert_eq!(nodes.shed_tips, [0, 1, 0]);
                 year
@@ -139,6 +197,72 @@ mod tests {
         assert_eq!(goes(&settings, &[0.31; 9]), None);
         assert_eq!(goes(&SelfOrganizing { shed_patience: 1, ..settings.clone() }, &[0.1; 9]), Some(4));
         assert_eq!(goes(&SelfOrganizing { shed: 0.0, ..settings }, &[0.0; 9]), None);
+    }
+
+    #[test]
+    fn what_died_stays_for_its_years_and_what_it_bore_for_half_of_them() {
+        let settings = SelfOrganizing {
+            shed: 0.3,
+            shed_grace: 0,
+            shed_patience: 1,
+            dead_years: 5,
+            ..SelfOrganizing::default()
+        };
+        let mut nodes = branch(&settings);
+        // A side twig of the branch, two nodes long.
+        for (parent, flags) in [(2, LATERAL), (3, APEX)] {
+            let (place, direction, side, key) = (DVec3::Y, DVec3::Y, DVec3::X, Key::new(3));
+            let (birth, order, buds) = (PARTS, 1, 0);
+            nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
+        }
+        let sums = Sums {
+            onward: vec![0; 5],
+            lateral: vec![0; 5],
+            internodes: vec![4, 4, 3, 2, 1],
+            ..Sums::default()
+        };
+        // It gets dark in year 2.
+        let lost: Vec<Lost> = (2..8)
+            .map(|year| {
+                let lost = shed(&mut nodes, &sums, &settings, year, 0.0);
+                assert!((2..nodes.len()).all(|node| nodes.is(node, DEAD) && !nodes.is(node, APEX)));
+                nodes.compact();
+                lost
+            })
+            .collect();
+        assert_eq!(lost[0].leafless, [2, 3, 4]);
+        assert!(lost[1..].iter().all(|lost| lost.leafless.is_empty()));
+        // Three years later its twig falls, five years later itself.
+        assert_eq!(lost.iter().map(|lost| lost.nodes).collect::<Vec<_>>(), [0, 0, 0, 2, 0, 1]);
+        assert_eq!((nodes.len(), nodes.shed_tips[1]), (2, 1));
+        assert!(!nodes.is(1, DEAD));
+    }
+
+    /// Grown with and without dead wood, no living internode differs: dead wood takes no light, and gets none.
+    #[test]
+    fn dead_wood_changes_nothing_that_lives() {
+        for light in [crate::LightModel::Shadow, crate::LightModel::Sky] {
+            let grown = |dead_years| {
+                let settings =
+                    SelfOrganizing { light, shade: 0.15, shed: 0.3, dead_years, ..SelfOrganizing::default() };
+                let mut growth = Growth::new(&settings);
+                growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::Y, DVec3::X, Key::new(3));
+                (0..18).for_each(|_| growth.grow_year(&Quiet).unwrap());
+                let nodes = &growth.nodes;
+                let living: Vec<_> = (0..nodes.len())
+                    .filter(|&node| !nodes.is(node, DEAD))
+                    .map(|node| nodes.places[node])
+                    .collect();
+                (living, nodes.len(), nodes.pipes()[0])
+            };
+            let (living, all, pipes) = grown(0);
+            assert_eq!(living.len(), all);
+            let (with_dead, more, as_many) = grown(6);
+            assert_eq!(living, with_dead);
+            assert!(more > all + all / 50, "{more} {all}");
+            assert_eq!(pipes, as_many);
+            assert!(grown(2).1 < more);
+        }
     }
 
     #[test]
@@ -160,7 +284,7 @@ mod tests {
             onward[last] = (light * f64::from(FULL_LIGHT)) as u64;
             let lateral = vec![0; nodes.len()];
             let sums = Sums { onward, lateral, internodes: vec![1; nodes.len()], ..Sums::default() };
-            (1..9).find(|&year| shed(&mut nodes, &sums, &settings, year, 0.0) > 0).inspect(|_| {
+            (1..9).find(|&year| shed(&mut nodes, &sums, &settings, year, 0.0).nodes > 0).inspect(|_| {
                 let shed: Vec<usize> = (0..nodes.len()).filter(|&node| nodes.is(node, SHED)).collect();
                 assert_eq!(shed, [last, nodes.len() - 1], "the foot and what it bears");
             })

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use crate::barriers::Barriers;
 use crate::grow::CENTRE;
 use crate::light::{FULL_LIGHT, Voxel};
-use crate::tree::{APEX, Nodes};
+use crate::tree::{APEX, DEAD, Nodes};
 use crate::{SelfOrganizing, SelfOrganizingError};
 
 /// The edge of a voxel, internodes.
@@ -201,7 +201,9 @@ impl Sky {
         year: u32,
         monitor: &dyn Monitor,
     ) -> Result<(), SelfOrganizingError> {
-        let is_leafy = |&node: &usize| !nodes.is_foot(node) && year - nodes.year(node) <= self.leaf_years;
+        let is_leafy = |&node: &usize| {
+            !nodes.is_foot(node) && !nodes.is(node, DEAD) && year - nodes.year(node) <= self.leaf_years
+        };
         let voxels: Vec<Voxel> = (0..nodes.len()).filter(is_leafy).map(|node| voxel(nodes, node)).collect();
         let walls = self.walls_near(nodes);
         // With no obstacle near, what is beyond the leaves is in full light.

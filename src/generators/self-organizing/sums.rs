@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::light::Light;
-use crate::tree::{APEX, LATERAL, Nodes};
+use crate::tree::{APEX, DEAD, LATERAL, Nodes};
 
 /// Nodes whose light a thread reads at once.
 const CHUNK: usize = 4096;
@@ -17,7 +17,7 @@ pub(crate) struct Sums {
     pub onward: Vec<u64>,
     /// Light of the node's lateral buds and branches.
     pub lateral: Vec<u64>,
-    /// Internodes from the one that ends in the node on.
+    /// Living internodes from the one that ends in the node on.
     pub internodes: Vec<u32>,
     /// Buds from the node on.
     pub buds: Vec<u32>,
@@ -55,7 +55,7 @@ impl Sums {
             if nodes.is_foot(node) {
                 continue;
             }
-            sums.internodes[node] += 1;
+            sums.internodes[node] += u32::from(!nodes.is(node, DEAD));
             let parent = nodes.parents[node] as usize;
             let all = sums.total(node);
             if nodes.is(node, LATERAL) {

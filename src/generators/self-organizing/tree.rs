@@ -16,6 +16,8 @@ pub(crate) const APEX: u8 = 1;
 pub(crate) const LATERAL: u8 = 2;
 /// The node is about to be taken out.
 pub(crate) const SHED: u8 = 4;
+/// The node is dead wood: it has neither leaves nor buds.
+pub(crate) const DEAD: u8 = 8;
 
 /// A node is the end of an internode, with its leaves and their buds; the foot of a tree ends none.
 /// Lengths are in internodes, the edge of a voxel.
@@ -36,19 +38,23 @@ pub(crate) struct Nodes {
     pub flags: Vec<u8>,
     /// Dormant lateral buds, a bit each.
     pub buds: Vec<u8>,
-    /// Years in a row in which the branch that begins here was too dark.
+    /// Years in a row in which the branch that begins here was too dark; of one that died, since then.
     pub dark_years: Vec<u8>,
     /// Tips that were shed from here.
     pub shed_tips: Vec<u32>,
     /// The largest moment of what hung on the internode so far, newton metres.
     pub moments: Vec<f32>,
+    /// How far the internode rose when it grew, the height of its direction.
+    pub rises: Vec<f32>,
+    /// Its pipes of the year before.
+    pub pipes_before: Vec<u32>,
 }
 
 /// Births in a year.
 pub(crate) const PARTS: u32 = 16;
 
 /// Bytes of a node with all that a year works out for it.
-pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + 4 + YEAR_BYTES;
+pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + 4 + 4 + 4 + YEAR_BYTES;
 /// Light, sums, shares; or, as much, loads and turns.
 const YEAR_BYTES: u64 = 4 + 4 * 8 + 7 * 8 + 2 * 16;
 
@@ -84,6 +90,8 @@ impl Nodes {
         self.dark_years.push(0);
         self.shed_tips.push(0);
         self.moments.push(0.0);
+        self.rises.push(node.direction.y as f32);
+        self.pipes_before.push(0);
     }
 
     pub fn is(&self, node: usize, flag: u8) -> bool {
@@ -140,6 +148,8 @@ impl Nodes {
             self.dark_years[to] = self.dark_years[node];
             self.shed_tips[to] = self.shed_tips[node];
             self.moments[to] = self.moments[node];
+            self.rises[to] = self.rises[node];
+            self.pipes_before[to] = self.pipes_before[node];
             kept += 1;
         }
         let kept = kept as usize;
@@ -155,6 +165,8 @@ impl Nodes {
         self.dark_years.truncate(kept);
         self.shed_tips.truncate(kept);
         self.moments.truncate(kept);
+        self.rises.truncate(kept);
+        self.pipes_before.truncate(kept);
     }
 
     /// How many tips hang on each node, those that were shed included: the pipes of the pipe model

@@ -49,7 +49,7 @@ fn needed(branching: &Branching, tolerance: f32, monitor: &dyn Monitor) -> Resul
     if let Some(edges) = edges {
         // An axis that ends where its one lateral leaves keeps its end.
         for child in only_child.iter_mut().filter(|child| **child != NO_PARENT) {
-            if edges[*child as usize] == Edge::Branches {
+            if edges[*child as usize] != Edge::Succeeds {
                 *child = NO_PARENT;
             }
         }
@@ -116,6 +116,7 @@ fn distance_to_segment(point: Vec3, from: Vec3, to: Vec3) -> f32 {
 mod tests {
     use super::super::testing::{random_tree, refined, topology, tree};
     use super::*;
+    use crate::{AxisKind, Skeleton, Wood};
 
     fn decimated(all: &Branching, tolerance: f64) -> Branching {
         let refinement =
@@ -133,6 +134,43 @@ mod tests {
             *at = Vec3::new((i - 20) as f32, 20.0, 0.0);
         }
         assert_eq!(decimated(&tree(corner, &parents), 0.01).births, [0, 20, 29]);
+    }
+
+    /// A tip is dead where an axis on its way down is said to be.
+    #[test]
+    fn dead_wood_is_dead_with_all_that_it_bears_whatever_is_refined() {
+        let (mut dead, mut living) = (0, 0);
+        for seed in 0..20 {
+            let mut all = random_tree(seed, 300, 0.8);
+            let mut edges = vec![Edge::Succeeds; all.parents.len()];
+            let mut is_continued = vec![false; all.parents.len()];
+            for (node, &parent) in all.parents.iter().enumerate().filter(|(_, parent)| **parent != NO_PARENT)
+            {
+                if std::mem::replace(&mut is_continued[parent as usize], true) {
+                    edges[node] = if node % 7 == 0 { Edge::Dies } else { Edge::Branches };
+                }
+            }
+            all.edges = Some(edges.clone());
+            let is_dead = |tip: u32| {
+                let mut node = tip;
+                while all.parents[node as usize] != NO_PARENT && edges[node as usize] != Edge::Dies {
+                    node = all.parents[node as usize];
+                }
+                edges[node as usize] == Edge::Dies
+            };
+            for steps in [vec![], vec!["decimate"], vec!["decimate", "relocate", "smooth", "subdivide"]] {
+                let steps = steps.into_iter().map(|name| Step::named(name).unwrap()).collect();
+                let less = refined(all.clone(), &Refinement { steps, ..Refinement::default() });
+                let tree = Skeleton::build(less, &Wood::default()).unwrap();
+                for (index, axis) in tree.axes.iter().enumerate() {
+                    // Births name nodes, and tips stay.
+                    let tip = tree.births[tree.nodes_of(axis)[axis.len as usize - 1] as usize];
+                    assert_eq!(tree.kind_of(index) == AxisKind::Dead, is_dead(tip), "{seed}: {tip}");
+                    if is_dead(tip) { dead += 1 } else { living += 1 }
+                }
+            }
+        }
+        assert!(dead > 200 && living > 200, "{dead} {living}");
     }
 
     /// Both trees as soups of segments, sampled: no sample of one is farther from the other.

@@ -338,9 +338,8 @@ impl Shoots<'_> {
                     // What hung on the dropped first node of a lateral begins it now.
                     if let Some(edges) = edges.as_mut()
                         && !keep[parent as usize]
-                        && edges[parent as usize] == Edge::Branches
                     {
-                        edges[old] = Edge::Branches;
+                        edges[old] = edges[old].max(edges[parent as usize]);
                     }
                     index[parent as usize]
                 }
