@@ -615,6 +615,24 @@ fn the_schema_fits_the_documents_that_show_writes() {
     assert!(schema["$defs"]["export options"]["properties"]["obj"].is_object());
 }
 
+/// In documents and by their schema.
+#[test]
+fn one_number_is_a_list_of_one() {
+    let folder = Folder::new();
+    let hash = |angle: &str| {
+        let head = "id = \"x\"\nname = \"X\"\ngroup = \"mine\"\nsummary = \"x\"\nsource = \"x\"\n";
+        folder.write("x.toml", format!("{head}[self-organizing]\nyears = 6\nbranching_angle = {angle}\n"));
+        let stats = folder.run(&["stats", "x.toml", "--json"]).done().json();
+        stats["skeleton_hash"].as_str().unwrap().to_owned()
+    };
+    assert!(hash("35") == hash("[35]") && hash("35.0") == hash("[35]") && hash("35") != hash("[35, 70]"));
+    let schema = folder.run(&["schema"]).done().json();
+    let forms = &schema["properties"]["self-organizing"]["properties"]["branching_angle"]["anyOf"];
+    let types: Vec<&str> =
+        forms.as_array().unwrap().iter().filter_map(|form| form["type"].as_str()).collect();
+    assert_eq!(types, ["number", "array"]);
+}
+
 /// Flags of the terminal count before a command and behind it, where they mean something, and are
 /// refused by name where they do not.
 #[test]

@@ -339,7 +339,8 @@ fn of(knob: &Knob) -> Value {
             json!({ "type": "array", "items": pair, "minItems": least, "maxItems": most })
         }
         Kind::Reals { min, max, most } => {
-            json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
+            let list = json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most });
+            json!({ "anyOf": [number(min, max), list] })
         }
         Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
         Kind::Sequence { words, most } => {

@@ -274,6 +274,9 @@ impl Node {
             (Datum::Text(text), _) => return kind.parse(text).map_err(fault),
             // 1e6 is a whole number, whatever TOML and JSON call it.
             (Datum::Real(x), Kind::Integer { .. }) => return kind.parse(&x.to_string()).map_err(fault),
+            // One number is a list of one.
+            (Datum::Real(x), Kind::Reals { .. }) => Value::Reals(vec![*x]),
+            (Datum::Integer(n), Kind::Reals { .. }) => Value::Reals(vec![*n as f64]),
             (Datum::Real(x), _) => Value::Real(*x),
             (Datum::Integer(n), Kind::Integer { .. }) => Value::Integer(*n),
             (Datum::Integer(n), _) => Value::Real(*n as f64),
