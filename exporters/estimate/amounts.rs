@@ -44,6 +44,8 @@ pub struct Amounts {
     pub picture_bytes: u64,
     /// Those of them that nothing is cut out of: the bark's.
     pub opaque_picture_bytes: u64,
+    /// Those of how much light passes, which formats with a word for it write besides.
+    pub passing_picture_bytes: u64,
     /// Materials of the foliage; the bark's is one more.
     pub foliage_materials: u64,
     /// What the meshes say about the wind.

@@ -20,7 +20,7 @@ use linden_pipeline::surface::{self, Junction, SurfaceError, Tubes};
 use linden_pipeline::wind::{Sway, Wind, most_joints};
 
 use self::level::{Instanced, LevelAmounts};
-use self::pictures::{bark_bytes, billboard_bytes, card_bytes, file_bytes, leaf_picture_bytes};
+use self::pictures::{PASSING, bark_bytes, billboard_bytes, card_bytes, file_bytes, leaf_picture_bytes};
 use crate::{Format, LooksIn, Options};
 
 pub use self::amounts::{Amounts, mean_digits};
@@ -207,7 +207,8 @@ impl Estimate {
             LooksIn::One => {
                 let all = self.levels.iter().copied().fold(LevelAmounts::default(), LevelAmounts::and);
                 let pictures = self.picture_bytes(&self.levels) + self.billboard_bytes;
-                let amounts = self.amounts(all, pictures, self.bark_bytes);
+                let drawn = self.shown_card_bytes(&self.levels) + self.billboard_bytes;
+                let amounts = self.amounts(all, pictures, self.bark_bytes, drawn);
                 estimate(&amounts, options) + LEVEL_BYTES * (self.level_count() as u64).saturating_sub(1)
             }
             LooksIn::Nothing => estimate(&self.level_amounts(0), options),
@@ -222,8 +223,11 @@ impl Estimate {
     /// What a level alone amounts to; beyond those of triangles, the billboard.
     fn level_amounts(&self, level: usize) -> Amounts {
         match self.levels.get(level) {
-            Some(&amounts) => self.amounts(amounts, self.picture_bytes(&[amounts]), self.bark_bytes),
-            None => self.amounts(LevelAmounts::default(), self.billboard_bytes, 0),
+            Some(&amounts) => {
+                let drawn = self.shown_card_bytes(&[amounts]);
+                self.amounts(amounts, self.picture_bytes(&[amounts]), self.bark_bytes, drawn)
+            }
+            None => self.amounts(LevelAmounts::default(), self.billboard_bytes, 0, self.billboard_bytes),
         }
     }
 
@@ -234,12 +238,23 @@ impl Estimate {
 
     /// The pictures that some levels show.
     fn picture_bytes(&self, levels: &[LevelAmounts]) -> u64 {
-        let any = |in_cards: bool| levels.iter().any(|level| level.in_cards == in_cards);
-        let leaves = if any(false) { self.leaf_bytes } else { 0 };
-        self.bark_bytes + leaves + if any(true) { self.card_bytes } else { 0 }
+        let leaves = if levels.iter().any(|level| !level.in_cards) { self.leaf_bytes } else { 0 };
+        self.bark_bytes + leaves + self.shown_card_bytes(levels)
     }
 
-    fn amounts(&self, level: LevelAmounts, picture_bytes: u64, opaque_picture_bytes: u64) -> Amounts {
+    /// The pictures of branch cards that some levels show.
+    fn shown_card_bytes(&self, levels: &[LevelAmounts]) -> u64 {
+        if levels.iter().any(|level| level.in_cards) { self.card_bytes } else { 0 }
+    }
+
+    /// Of a level with its pictures, those of them that are opaque, and those that were drawn of the plant.
+    fn amounts(
+        &self,
+        level: LevelAmounts,
+        picture_bytes: u64,
+        opaque_picture_bytes: u64,
+        drawn_bytes: u64,
+    ) -> Amounts {
         Amounts {
             vertices: level.vertices,
             triangles: level.triangles,
@@ -252,6 +267,7 @@ impl Estimate {
             recipe_bytes: self.recipe_bytes,
             picture_bytes,
             opaque_picture_bytes,
+            passing_picture_bytes: (PASSING * drawn_bytes as f64) as u64,
             foliage_materials: self.foliage_materials,
             wind: self.wind,
             joints: self.joints,

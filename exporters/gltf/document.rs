@@ -370,11 +370,14 @@ pub(super) struct DiffuseTransmission {
     /// Of the light that is not reflected as by a mirror, 0 to 1.
     #[serde(rename = "diffuseTransmissionFactor")]
     pub share: f32,
+    /// By which it is multiplied, in alpha.
+    #[serde(rename = "diffuseTransmissionTexture", skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureInfo>,
     /// Linear RGB.
     #[serde(rename = "diffuseTransmissionColorFactor")]
     pub color: [f32; 3],
     #[serde(rename = "diffuseTransmissionColorTexture", skip_serializing_if = "Option::is_none")]
-    pub texture: Option<TextureInfo>,
+    pub color_texture: Option<TextureInfo>,
 }
 
 /// `{}`.

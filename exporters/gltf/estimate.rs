@@ -33,7 +33,8 @@ const TEXEL: u64 = 12;
 pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let amounts = if options.is_on("instances") { amounts.instanced() } else { *amounts };
     let Amounts { vertices, triangles, plain_vertices, placements, .. } = amounts;
-    let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
+    let passing = if options.is_on("translucency") { amounts.passing_picture_bytes } else { 0 };
+    let pictures = if options.is_on("pictures") { amounts.picture_bytes + passing } else { 0 };
     let pictures = match super::picture_format(options) {
         PictureFormat::Png => pictures,
         PictureFormat::Jpeg => {

@@ -238,8 +238,11 @@ fn pictures<'a>(
     options: &Options,
     bundle: &mut Bundle,
 ) -> Vec<NamedPicture<'a>> {
-    let mut pictures =
-        if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
+    let mut pictures = match options.is_on("pictures") {
+        true if options.is_on("translucency") => pictures::with_passing(&distinct.materials),
+        true => pictures::of_materials(&distinct.materials),
+        false => Vec::new(),
+    };
     let format = picture_format(options);
     for named in &mut pictures {
         named.store_as(format);
@@ -420,8 +423,9 @@ fn document(
                     Some(MaterialExtensions::unlit())
                 } else {
                     let through = material.translucency.filter(|_| is_translucent);
-                    let texture = texture(index, material.base_color_picture.as_ref());
-                    through.map(|through| passing(through, texture, material.base_color))
+                    let [color, where_] = [&material.base_color_picture, &material.passing_picture]
+                        .map(|picture| texture(index, picture.as_ref()));
+                    through.map(|through| passing(through, color, where_, material.base_color))
                 },
             }
         })
@@ -501,10 +505,15 @@ fn document(
 }
 
 /// Light that passes, in the colours of a texture or in one.
-fn passing(through: Translucency, texture: Option<TextureInfo>, color: [f32; 3]) -> MaterialExtensions {
+fn passing(
+    through: Translucency,
+    color_texture: Option<TextureInfo>,
+    texture: Option<TextureInfo>,
+    color: [f32; 3],
+) -> MaterialExtensions {
     let Translucency { share, tint } = through;
-    let color = if texture.is_some() { tint } else { [0, 1, 2].map(|i| tint[i] * color[i]) };
-    MaterialExtensions::diffuse_transmission(DiffuseTransmission { share, color, texture })
+    let color = if color_texture.is_some() { tint } else { [0, 1, 2].map(|i| tint[i] * color[i]) };
+    MaterialExtensions::diffuse_transmission(DiffuseTransmission { share, texture, color, color_texture })
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.

@@ -79,8 +79,15 @@ pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
     let materialx = if options.is_on("materialx") && is_full { 400 * amounts.foliage_materials } else { 0 };
     let shapes = if is_plain { 160 * collision::expected(amounts.axes, options) } else { 0 };
     let around = amounts.recipe_bytes + 4000 + 300 * amounts.foliage_materials + materialx + shapes;
-    let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
+    let pictures = picture_bytes(&amounts, options);
     (meshes + moved + curves) as u64 + around + pictures
+}
+
+/// Of all pictures as they are.
+fn picture_bytes(amounts: &Amounts, options: &Options) -> u64 {
+    let with_materialx = options.is_on("materialx") && !options.is_word("flavor", "ar");
+    let passing = if with_materialx { amounts.passing_picture_bytes } else { 0 };
+    if options.is_on("pictures") { amounts.picture_bytes + passing } else { 0 }
 }
 
 /// Bytes with these options, in one file or several, as text.
@@ -103,7 +110,7 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let around = 2 * amounts.recipe_bytes + 3000 + 900 * amounts.foliage_materials + materialx;
     let shapes = if is_plain { 520 * collision::expected(amounts.axes, options) } else { 0 };
     let around = around + shapes;
-    let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
+    let pictures = picture_bytes(&amounts, options);
     let second = second_set(options) * vertices as f64 + CORNER_TEXT * more_corners(&amounts);
     (85.0 * vertices as f64 + second + places + moved + faces + curves) as u64 + around + pictures
 }

@@ -38,6 +38,7 @@ pub(super) fn network<'f>(
     };
     let color = file(material.base_color_picture.as_ref());
     let normal = file(material.normal_picture.as_ref());
+    let passing = file(material.passing_picture.as_ref());
     let from = |shader: &str| format!("<{path}/{shader}.outputs:out>");
     let tinted = [0, 1, 2].map(|i| material.base_color[i] * translucency.tint[i]);
     let (base, through) = match color {
@@ -57,6 +58,10 @@ pub(super) fn network<'f>(
     let bump = normal
         .map(|_| format!("float3 inputs:normal.connect = {}\n        ", from("Mtlx_Bump")))
         .unwrap_or_default();
+    let subsurface = match passing {
+        Some(_) => format!("inputs:subsurface.connect = {}", from("Mtlx_Share")),
+        None => format!("inputs:subsurface = {}", translucency.share),
+    };
     let mut shaders = format!(
         r#"
     def Shader "Mtlx_Surface"
@@ -66,13 +71,13 @@ pub(super) fn network<'f>(
         color3f {base}
         float inputs:metalness = 0
         {bump}{opacity}float inputs:specular_roughness = {}
-        float inputs:subsurface = {}
+        float {subsurface}
         color3f {through}
         bool inputs:thin_walled = 1
         token outputs:out
     }}
 "#,
-        material.roughness, translucency.share
+        material.roughness
     );
     let mut node = |name: &str, id: &str, inputs: &[String], out: &str| {
         let inputs = inputs.join("\n        ");
@@ -92,7 +97,7 @@ pub(super) fn network<'f>(
             format!("string inputs:vaddressmode = \"{wrap}\""),
         ]
     };
-    if color.or(normal).is_some() {
+    if color.or(normal).or(passing).is_some() {
         let name = "string inputs:geomprop = \"st\"".to_owned();
         node("Mtlx_Coordinates", "ND_geompropvalue_vector2", &[name], "float2");
     }
@@ -118,6 +123,16 @@ pub(super) fn network<'f>(
             node("Mtlx_Opacity", "ND_convert_float_color3", &[gray], "color3f");
         }
     }
+    if let Some(file) = passing {
+        node("Mtlx_Passing", "ND_image_color4", &image(file, "raw"), "color4f");
+        let picture = format!("color4f inputs:in.connect = {}", from("Mtlx_Passing"));
+        node("Mtlx_Passes", "ND_extract_color4", &[picture, "int inputs:index = 3".to_owned()], "float");
+        let share = [
+            format!("float inputs:in1.connect = {}", from("Mtlx_Passes")),
+            format!("float inputs:in2 = {}", translucency.share),
+        ];
+        node("Mtlx_Share", "ND_multiply_float", &share, "float");
+    }
     if let Some(file) = normal {
         node("Mtlx_Normal", "ND_image_vector3", &image(file, "raw"), "float3");
         let encoded = format!("float3 inputs:in.connect = {}", from("Mtlx_Normal"));
@@ -139,7 +154,7 @@ mod tests {
 
     /// Inputs and outputs of the nodes as `stdlib_defs.mtlx` and `standard_surface.mtlx` of `MaterialX` 1.39.4 define
     /// them, in the types that USD has for theirs.
-    const NODES: [(&str, &str, &str); 10] = [
+    const NODES: [(&str, &str, &str); 11] = [
         (
             "ND_standard_surface_surfaceshader",
             "float base, color3f base_color, float metalness, float3 normal, color3f opacity, float \
@@ -160,6 +175,7 @@ mod tests {
         ("ND_convert_color4_color3", "color4f in", "color3f"),
         ("ND_convert_float_color3", "float in", "color3f"),
         ("ND_multiply_color3", "color3f in1, color3f in2", "color3f"),
+        ("ND_multiply_float", "float in1, float in2", "float"),
         ("ND_extract_color4", "color4f in, int index", "float"),
         ("ND_ifgreatereq_float", "float value1, float value2, float in1, float in2", "float"),
         ("ND_normalmap_float", "float3 in", "float3"),
@@ -177,6 +193,7 @@ mod tests {
             cutout: Some(0.5),
             wrap: Wrap::Clamp,
             translucency: Translucency::leaf(0.4),
+            passing_picture: None,
         }
     }
 
@@ -217,6 +234,13 @@ mod tests {
             "{}",
             with.output
         );
+        // As much as a picture says, of that.
+        let varied = Material { passing_picture: leaf.base_color_picture.clone(), ..leaf.clone() };
+        let varied =
+            network(&varied, "/tree/Materials/leaves", |picture| picture.map(|_| "leaves.png")).unwrap();
+        check(&varied);
+        let share = "float inputs:subsurface.connect = </tree/Materials/leaves/Mtlx_Share.outputs:out>";
+        assert!(varied.shaders.contains(share) && varied.shaders.contains("float inputs:in2 = 0.4"));
         let without = network(&leaf, "/tree/Materials/leaves", |_| None).unwrap();
         check(&without);
         // What passes is the colour, yellower.

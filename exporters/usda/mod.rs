@@ -224,14 +224,17 @@ impl<'a> Writing<'a> {
         if options.is_on(LIGHTMAP_UV.knob.name) {
             lightmap::unwrap(&mut distinct, Sharing::None, stage, bundle, monitor)?;
         }
-        let mut pictures =
-            if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
+        let with_materialx = options.is_on("materialx") && !is_ar;
+        let mut pictures = match options.is_on("pictures") {
+            true if with_materialx => pictures::with_passing(&distinct.materials),
+            true => pictures::of_materials(&distinct.materials),
+            false => Vec::new(),
+        };
         if !pictures.is_empty() {
             let skies = stage.setting.iter().map(|setting| &setting.sky.picture);
             pictures.extend(skies.map(|sky| NamedPicture::png(SKY, sky, Wrap::Clamp)));
         }
         let with_skeleton = options.is_on("skeleton") && !is_ar && nanite.is_none();
-        let with_materialx = options.is_on("materialx") && !is_ar;
         note_materialx(&distinct, stage, options, bundle);
         let with_proxy = options.is_on("proxy");
         if with_proxy && (0..distinct.plants()).all(|plant| distinct.levels(plant) == 1) {

@@ -75,13 +75,26 @@ fn is_same(a: &Arc<Picture>, b: &Arc<Picture>) -> bool {
 }
 
 /// Every picture of some materials once, in their order, named after its first use: as PNG, unless
-/// [`NamedPicture::store_as`] says otherwise.
+/// [`NamedPicture::store_as`] says otherwise; for formats that say how much light passes, [`with_passing`].
 pub fn of_materials<'a>(materials: &[NamedMaterial<'a>]) -> Vec<NamedPicture<'a>> {
+    shown(materials, false)
+}
+
+/// The same with the pictures of what passes ([`Material::passing_picture`]).
+pub fn with_passing<'a>(materials: &[NamedMaterial<'a>]) -> Vec<NamedPicture<'a>> {
+    shown(materials, true)
+}
+
+fn shown<'a>(materials: &[NamedMaterial<'a>], with_passing: bool) -> Vec<NamedPicture<'a>> {
     let mut named: Vec<NamedPicture<'_>> = Vec::new();
     for NamedMaterial { name, file_name, material } in materials {
-        let Material { base_color_picture, normal_picture, .. } = material;
-        for (picture, kind, is_normal) in [(base_color_picture, "", false), (normal_picture, "_normal", true)]
-        {
+        let Material { base_color_picture, normal_picture, passing_picture, .. } = material;
+        let passing = passing_picture.as_ref().filter(|_| with_passing);
+        for (picture, kind, is_normal) in [
+            (base_color_picture.as_ref(), "", false),
+            (normal_picture.as_ref(), "_normal", true),
+            (passing, "_passing", false),
+        ] {
             let Some(picture) = picture else { continue };
             if let Some(known) = named.iter_mut().find(|known| is_same(known.picture, picture)) {
                 known.is_normal |= is_normal;

@@ -154,7 +154,7 @@ fn check_material(material: &Material) -> Result<(), ExportError> {
     if let Some(cutout) = material.cutout.filter(|alpha| !(*alpha > 0.0 && *alpha < 1.0)) {
         return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
     }
-    for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
+    for picture in material.pictures() {
         let pixels = u64::from(picture.width()) * u64::from(picture.height());
         if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
             return Err(fault(format!(
@@ -319,6 +319,7 @@ mod tests {
                 cutout: None,
                 wrap: linden_pipeline::scene::Wrap::Repeat,
                 translucency: None,
+                passing_picture: None,
             }],
             parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {

@@ -10,7 +10,7 @@ use crate::grow::{GrowError, Grown, grow};
 use crate::recipe::Recipe;
 
 pub use linden_plant::detail::{DetailError, Finest, Level, Levels, Year};
-pub use linden_plant::dress::DressError;
+pub use linden_plant::dress::{DressError, thinnest_barks};
 
 /// Gives a grown tree its surface, its foliage and its materials: all of it, one level, in the recipe's
 /// season.

@@ -9,7 +9,7 @@ use crate::foliage::{
 };
 use crate::moss::{self, Mossy};
 use crate::scene::{Material, Part, Scene, Wrap};
-use crate::settings::{Dressing, Form, LeafKind};
+use crate::settings::{Dressing, Form, LIMBS, LeafKind, TWIGS};
 use crate::surface::relief::{self, Heights, ReliefError};
 use crate::surface::{self, Junction, SurfaceError};
 use crate::texture::{self, BarkError, BarkPictures};
@@ -402,6 +402,7 @@ impl Wardrobe {
                 cutout: cover.filter(|cover| cover.is_cut_out).map(|_| CUTOUT),
                 wrap: Wrap::Clamp,
                 translucency: cover.and_then(|cover| cover.translucency),
+                passing_picture: cover.and_then(|cover| cover.passing.clone()),
             });
         }
         Ok(())
@@ -490,6 +491,7 @@ fn bark_material(name: String, mean: [u8; 3], pictures: Option<BarkPictures>) ->
         cutout: None,
         wrap: Wrap::Repeat,
         translucency: None,
+        passing_picture: None,
     }
 }
 
@@ -511,6 +513,18 @@ fn foot_m(skeleton: &Skeleton) -> f32 {
     let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
     let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
     feet.map(|&foot| skeleton.positions[foot as usize].y).fold(f32::INFINITY, f32::min)
+}
+
+/// Of a scene's materials the bark of the thinnest living wood, and that of dead wood where there is any: what is seen of
+/// wood from so far that it is lines.
+pub fn thinnest_barks(materials: &[Material]) -> [Option<&Material>; 2] {
+    let named = |ending: &str| {
+        materials
+            .iter()
+            .find(|material| material.name.strip_prefix("bark_").is_some_and(|name| name == ending))
+    };
+    let living = named(TWIGS).or_else(|| named(LIMBS)).or(materials.first());
+    [living, named(DEAD)]
 }
 
 /// Whether there are dead twigs.

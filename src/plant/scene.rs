@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::foliage::{DressedOrgans, Instances};
 use crate::wind::PartWind;
@@ -36,13 +36,10 @@ pub struct Scene {
 impl Scene {
     /// Bytes that it takes: skeleton, meshes and pixels.
     pub fn bytes(&self) -> u64 {
-        let pixels = |picture: &Option<Arc<Picture>>| {
-            picture.as_ref().map_or(0, |picture| picture.rgba().len() as u64)
-        };
-        let pictures =
-            |material: &Material| pixels(&material.base_color_picture) + pixels(&material.normal_picture);
+        let pixels = |picture: &Arc<Picture>| picture.rgba().len() as u64;
+        let pictures = self.materials.iter().flat_map(Material::pictures);
         self.skeleton.bytes()
-            + self.materials.iter().map(pictures).sum::<u64>()
+            + pictures.map(pixels).sum::<u64>()
             + self.parts.iter().map(Part::bytes).sum::<u64>()
             // Parts hold on to the same organs.
             + self.organs.bytes()
@@ -98,6 +95,16 @@ pub struct Material {
     pub wrap: Wrap,
     /// What passes through it: foliage. `None`: nothing.
     pub translucency: Option<Translucency>,
+    /// How much of that passes where, in alpha: all of it through a single leaf, less where several lie one behind
+    /// another, nothing through wood. White, as large as the base colour picture. `None`: all of it everywhere.
+    pub passing_picture: Option<Arc<Picture>>,
+}
+
+impl Material {
+    /// All pictures of it.
+    pub fn pictures(&self) -> impl Iterator<Item = &Arc<Picture>> {
+        [&self.base_color_picture, &self.normal_picture, &self.passing_picture].into_iter().flatten()
+    }
 }
 
 /// Light that a thin surface scatters out of its other side: leaves.
@@ -118,6 +125,13 @@ impl Translucency {
     /// of broad leaves at 450, 550 and 650 nm are about 5, 12, 5 % and 1, 11, 4 % (Jacquemoud & Baret 1990,
     /// "PROSPECT: a model of leaf optical properties spectra", figure 5).
     pub const LEAF_TINT: [f32; 3] = [0.95, 1.0, 0.5];
+
+    /// How much of the light that falls on a surface of a colour, linear, leaves on its other side: luminance (ITU-R
+    /// BT.709).
+    pub fn passing(&self, color: Vec3) -> f32 {
+        const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+        self.share * (color * Vec3::from(self.tint)).dot(LUMINANCE)
+    }
 
     /// A leaf's; `None` where no light passes.
     pub fn leaf(share: f32) -> Option<Self> {

@@ -33,6 +33,7 @@ pub fn plain(base_color: [f32; 3], double_sided: bool) -> Material {
         cutout: None,
         wrap: Wrap::Clamp,
         translucency: None,
+        passing_picture: None,
     }
 }
 

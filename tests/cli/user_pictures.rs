@@ -187,3 +187,32 @@ fn a_preset_shows_which_pictures_it_takes() {
     let page = folder.run(&["show", "fir", "--set", "bark_picture=bark.png"]).done().out;
     assert!(page.contains("bark.png: 16×32 pixels"), "{page}");
 }
+
+/// How much light passes the leaves on a branch card: white, in alpha, for glTF's own words.
+#[test]
+fn cards_say_where_light_passes() {
+    let folder = Folder::new();
+    let args = ["export", "hazel", "--triangles", "8000", "--set", "card_size=256", "-o", "hazel.gltf"];
+    folder.run(&[&args[..], &["--set", "gltf.translucency=true"]].concat()).done();
+    let file: serde_json::Value = serde_json::from_slice(&folder.read("hazel.gltf")).unwrap();
+    let named = |list: &str, name: &str| {
+        let all = file[list].as_array().unwrap();
+        all.iter().find(|item| item["name"].as_str().unwrap().ends_with(name)).unwrap().clone()
+    };
+    let through = &named("materials", "branches")["extensions"]["KHR_materials_diffuse_transmission"];
+    let uri = |texture: &serde_json::Value| {
+        let texture = &file["textures"][texture["index"].as_u64().unwrap() as usize];
+        file["images"][texture["source"].as_u64().unwrap() as usize]["uri"].as_str().unwrap().to_owned()
+    };
+    let (passing, colored) =
+        (uri(&through["diffuseTransmissionTexture"]), uri(&through["diffuseTransmissionColorTexture"]));
+    assert_eq!((passing.as_str(), colored.as_str()), ("hazel_branches_passing.png", "hazel_branches.png"));
+    let (size, samples, bytes) = pixels(&folder.read(&passing));
+    assert_eq!((size, samples), ([256; 2], 4));
+    let rgba = bytes.as_chunks::<4>().0;
+    assert!(rgba.iter().all(|pixel| pixel[..3] == [255; 3]));
+    assert!(rgba.iter().any(|pixel| pixel[3] > 250) && rgba.iter().any(|pixel| pixel[3] < 30));
+    // Nobody asked: no picture that nothing shows.
+    folder.run(&[&args[..7], &["-o", "plain.gltf"]].concat()).done();
+    assert!(!folder.names().iter().any(|name| name.starts_with("plain") && name.contains("passing")));
+}

@@ -182,7 +182,7 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
             }
         }
     }
-    let Finished { color, normal } = pile.finish(CUTOUT, false, monitor)?;
+    let Finished { color, normal, .. } = pile.finish(CUTOUT, false, monitor)?;
     depths.fill(monitor)?;
     let mut pixels = normal.rgba().to_vec();
     for (pixel, depth) in pixels.as_chunks_mut::<4>().0.iter_mut().zip(&depths.values) {

@@ -29,6 +29,8 @@ pub struct Cover {
     pub cells: Vec<Cell>,
     /// What passes through the organ.
     pub translucency: Option<Translucency>,
+    /// How much of that passes where: see [`Material::passing_picture`](crate::scene::Material::passing_picture).
+    pub passing: Option<Arc<Picture>>,
 }
 
 impl Cover {
@@ -69,6 +71,7 @@ pub fn cover(
             is_cut_out: found.has_alpha,
             cells: vec![Cell::whole(found)],
             translucency,
+            passing: None,
         });
     }
     let season = specimen.dressing.foliage.season as f32;
@@ -82,7 +85,7 @@ pub fn cover(
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
     let LeafPictures { base_color, normal, cells } = specimen.drawn.leaves(look, twig, key, monitor)?;
-    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells, translucency })
+    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells, translucency, passing: None })
 }
 
 fn translucency(kind: &LeafKind) -> Option<Translucency> {
@@ -211,5 +214,6 @@ fn palette(colors: &[[u8; 3]]) -> Cover {
         is_cut_out: false,
         cells: colors.iter().enumerate().map(cell).collect(),
         translucency: None,
+        passing: None,
     }
 }

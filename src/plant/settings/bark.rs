@@ -8,6 +8,10 @@ use linden_base::{field, file_key};
 use super::moss::{MOSS_FIELDS, MossSettings};
 use crate::texture::{Bark, BarkStyle};
 
+/// What the wood of limbs and that of twigs are called, after `wood`, and their barks, after `bark`.
+pub(crate) const LIMBS: &str = "limbs";
+pub(crate) const TWIGS: &str = "twigs";
+
 /// How bark looks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarkSettings {
@@ -139,7 +143,7 @@ impl BarkSettings {
             };
             (name, thin.radius_m as f32, bark)
         };
-        let all = [("limbs", &self.limbs, self.size_px / 2), ("twigs", &self.twigs, self.size_px / 4)];
+        let all = [(LIMBS, &self.limbs, self.size_px / 2), (TWIGS, &self.twigs, self.size_px / 4)];
         all.into_iter()
             .filter(|(_, thin, _)| thin.radius_m > 0.0)
             .map(|(name, thin, size_px)| of(name, thin, size_px))

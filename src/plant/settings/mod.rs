@@ -13,6 +13,7 @@ mod wind;
 use crate::surface::Tubes;
 
 pub use bark::{BarkSettings, ThinBark, ThinStyle};
+pub(crate) use bark::{LIMBS, TWIGS};
 pub use detail::DetailSettings;
 pub use foliage::{
     ALSO, Arrangement, Cluster, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP, LeafKind, MOST_KINDS,

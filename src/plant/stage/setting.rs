@@ -260,6 +260,7 @@ impl Sky {
             cutout: None,
             wrap: Wrap::Clamp,
             translucency: None,
+            passing_picture: None,
         };
         Self {
             picture,
@@ -327,6 +328,7 @@ impl Ground {
             cutout: None,
             wrap: Wrap::Repeat,
             translucency: None,
+            passing_picture: None,
         };
         Self { mesh, material, cover: Vec::new() }
     }

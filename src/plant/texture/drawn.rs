@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::bark::normals_by_lightness;
-use super::kept::{Album, Pair};
+use super::kept::{Album, CardPictures};
 use super::leaf::{LeafError, LeafLook, LeafPictures, TwigLook};
 use super::{Bark, BarkError, BarkPictures, Moss};
 use linden_base::monitor::Monitor;
@@ -104,14 +104,14 @@ impl DrawnPictures {
 }
 
 impl DrawnPictures {
-    /// Colours and normals of branch cards, by a key of all that is seen on them: they are of one tree, and kept
+    /// Colours, normals and what passes of branch cards, by a key of all that is seen on them: they are of one tree, and kept
     /// nowhere but in a store.
     pub(crate) fn cards<E>(
         &self,
         decided_by: impl FnOnce() -> PictureKey,
         monitor: &dyn Monitor,
-        draw: impl FnOnce() -> Result<Pair, E>,
-    ) -> Result<Pair, E> {
+        draw: impl FnOnce() -> Result<CardPictures, E>,
+    ) -> Result<CardPictures, E> {
         self.album.get_by("cards", decided_by, monitor, draw)
     }
 }

@@ -98,16 +98,22 @@ impl Kept for Arc<Picture> {
     }
 }
 
-/// Colours, and normals of the same size, which are an entry each.
-pub(super) type Pair = [Arc<Picture>; 2];
+/// Colours, normals, and what passes, of the same size, which are an entry each.
+pub(super) type CardPictures = [Arc<Picture>; 3];
 
-impl Kept for Pair {
+impl Kept for CardPictures {
     fn get(store: &dyn PictureStore, key: PictureKey) -> Option<Self> {
-        get_pair(store, key).map(|(pair, _)| pair)
+        let passing = Picture::get_from(store, third(key));
+        let ([color, normal], _) = get_pair(store, key)?;
+        let (passing, none) = passing?;
+        let fits = none.is_empty() && [passing.width(), passing.height()] == [color.width(), color.height()];
+        fits.then(|| [color, normal, Arc::new(passing)])
     }
 
     fn put(&self, store: &dyn PictureStore, key: PictureKey) {
-        put_pair([&self[0], &self[1]], &[], store, key);
+        let [color, normal, passing] = self;
+        put_pair([color, normal], &[], store, key);
+        passing.put_into(store, third(key), &[]);
     }
 
     fn each(&mut self) -> Vec<&mut Arc<Picture>> {
@@ -124,7 +130,12 @@ fn second(key: PictureKey) -> PictureKey {
     PictureKey::of(&[b"normal", &key.to_bytes()])
 }
 
-fn get_pair(store: &dyn PictureStore, key: PictureKey) -> Option<(Pair, Vec<u8>)> {
+/// The third.
+fn third(key: PictureKey) -> PictureKey {
+    PictureKey::of(&[b"passing", &key.to_bytes()])
+}
+
+fn get_pair(store: &dyn PictureStore, key: PictureKey) -> Option<([Arc<Picture>; 2], Vec<u8>)> {
     // Both are asked for, so that a store counts as many that are missing as are made.
     let found = [key, second(key)].map(|key| Picture::get_from(store, key));
     let [Some((color, about)), Some((normal, none))] = found else { return None };

@@ -66,6 +66,7 @@ fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::erro
         cutout: None,
         wrap: linden_pipeline::scene::Wrap::Repeat,
         translucency: None,
+        passing_picture: None,
     };
     Ok((vec![Part::new("wood", 0, mesh)], vec![bark]))
 }

@@ -135,6 +135,7 @@ fn wood_before_a_wall_is_as_ever_and_wood_behind_it_is_seen_through_it() {
             cutout: None,
             wrap: Wrap::Repeat,
             translucency: None,
+            passing_picture: None,
         }];
         let surface = Surface { parts: &parts, materials: &materials, skeleton: &Skeleton::default() };
         changed(z, |style| draw_surface(&surface, &camera(0.0, 0.0), style, size(), &Quiet).unwrap())

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::skeleton::{Axis, Forks, RadiusFit, RadiusSource, WidthSteps};
+use linden_pipeline::skeleton::{Axis, AxisKind, Forks, RadiusFit, RadiusSource, WidthSteps};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
@@ -53,6 +53,8 @@ pub(crate) struct Tracer<'a> {
     pub view: &'a View,
     pub air: &'a Air<'a>,
     colors: Colors<'a>,
+    /// Of dead wood, where that differs.
+    dead: Option<Vec3>,
     frame: Vec2,
     merge_px: f32,
     /// Strokes that look wider are left out: a surface shows them.
@@ -89,6 +91,7 @@ impl<'a> Tracer<'a> {
             view,
             air,
             colors: Colors::new(skeleton, style),
+            dead: None,
             frame: Vec2::new(size.width() as f32, size.height() as f32),
             merge_px: if style.draft { MERGE_DRAFT_PX } else { MERGE_PX },
             widest_px: f32::INFINITY,
@@ -98,12 +101,13 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Only what is too thin for a surface to be seen, in one colour (linear light).
-    pub fn only_hairs(self, color: Vec3) -> Self {
+    /// Only what is too thin for a surface to be seen, in one colour (linear light), dead wood in another.
+    pub fn only_hairs(self, color: Vec3, dead: Option<Vec3>) -> Self {
         Self {
             widest_px: HAIR_PX,
             present: None,
             colors: Colors { plain: Some(color), ..self.colors },
+            dead,
             ..self
         }
     }
@@ -165,6 +169,7 @@ impl<'a> Tracer<'a> {
         let (Some(&first), Some(&apex)) = (nodes.first(), nodes.last()) else { return };
         let widen = self.thinned.as_ref().map_or(Some(1.0), |thinned| thinned.widening(index));
         let Some(widen) = widen else { return };
+        let dead = self.dead.filter(|_| self.skeleton.kind_of(index) == AxisKind::Dead);
         let is_stem = axis.parent == NO_PARENT;
         let (mut start, rest) = if is_stem {
             (self.node(first), &nodes[1..])
@@ -187,7 +192,9 @@ impl<'a> Tracer<'a> {
             if near && i != apex {
                 continue;
             }
-            if let Some((kind, stroke)) = self.stroke([start, end], i, widen, base) {
+            if let Some((kind, stroke)) =
+                self.stroke([start, end], dead.unwrap_or_else(|| self.colors.of(i)), widen, base)
+            {
                 if joined {
                     runs.follow(kind, stroke, self.air.slice_m());
                 } else {
@@ -206,7 +213,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn stroke(&self, ends: [End; 2], node: u32, widen: f32, base: Cap) -> Option<(Kind, Stroke)> {
+    fn stroke(&self, ends: [End; 2], plain: Vec3, widen: f32, base: Cap) -> Option<(Kind, Stroke)> {
         let [a, b] = ends;
         let widths = match self.skeleton.width_steps {
             WidthSteps::Taper => ends,
@@ -225,7 +232,6 @@ impl<'a> Tracer<'a> {
         }
         let depth_m = f32::midpoint(a.seen.depth_m, b.seen.depth_m);
         let bar = self.air.bar((a.at_m + b.at_m) / 2.0, (b.at_m - a.at_m).normalize_or(Vec3::Y));
-        let plain = self.colors.of(node);
         let (kind, color, bar, caps) = if mean >= THICK_PX {
             (Kind::Thick, self.air.haze(plain, depth_m), Some(bar), [base, Cap::Round])
         } else {

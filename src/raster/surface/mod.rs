@@ -12,6 +12,7 @@ mod texels;
 mod triangles;
 
 use glam::Vec3;
+use linden_pipeline::dress::thinnest_barks;
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Part, Scene};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
@@ -129,9 +130,11 @@ fn draw_on_ground(
     )?;
     let mut pieces = Vec::new();
     if has_skeleton {
-        let bark = surface.materials.first().map_or(Vec3::ONE, triangles::mean_color);
+        let [bark, dead] = thinnest_barks(surface.materials).map(|bark| bark.map(triangles::mean_color));
         let tracer = Tracer::new(surface.skeleton, &view, &air, style, size);
-        pieces = tracer.only_hairs(bark * style.exposure).trace(&ledger, monitor)?;
+        let exposed = |color: Vec3| color * style.exposure;
+        let hairs = tracer.only_hairs(exposed(bark.unwrap_or(Vec3::ONE)), dead.map(exposed));
+        pieces = hairs.trace(&ledger, monitor)?;
     }
     pieces.push(overlay::trace(style, &framed, &view, &air, size, monitor)?);
     let mut runs = Runs::together(pieces, &ledger)?;

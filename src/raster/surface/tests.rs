@@ -27,6 +27,7 @@ fn material(base_color: [f32; 3]) -> Material {
         cutout: None,
         wrap: linden_pipeline::scene::Wrap::Repeat,
         translucency: None,
+        passing_picture: None,
     }
 }
 

@@ -86,7 +86,9 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
     let mut pile = Pile::new(sheet.size, SAMPLES);
     pile.lay(&Resolved::of(&drawn, SAMPLES), Pixels::new(0, 0), Vec3::ONE);
     drop(drawn);
-    let Finished { color, normal } = pile.finish(CUTOUT, false, monitor)?;
+    let Finished { color, normal, passing } = pile.finish(CUTOUT, false, monitor)?;
+    // Mostly of leaves, where there are any.
+    let translucency = scene.materials.iter().find_map(|material| material.translucency);
     let material = Material {
         name: "billboard".to_owned(),
         base_color: mean(&color),
@@ -96,8 +98,8 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         double_sided: true,
         cutout: Some(CUTOUT),
         wrap: Wrap::Clamp,
-        // Mostly of leaves, where there are any.
-        translucency: scene.materials.iter().find_map(|material| material.translucency),
+        translucency,
+        passing_picture: translucency.map(|_| Arc::new(passing)),
     };
     Ok(Scene {
         name: scene.name.clone(),

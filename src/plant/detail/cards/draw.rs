@@ -34,6 +34,8 @@ const THICKEST_BARE: f32 = 0.3;
 /// Cells that are drawn before they are laid: for any number of cores that machines have, and few enough not to be
 /// much memory.
 const CELLS_AT_ONCE: usize = 16;
+/// The material of a piece's wood.
+const WOOD: usize = 0;
 /// Sides of the wood on a card.
 const SIDES: u32 = 4;
 
@@ -101,14 +103,33 @@ pub(super) fn draw<'a>(
     size_px: u32,
     monitor: &dyn Monitor,
 ) -> Result<DrawnCards, DetailError> {
-    let mut materials =
-        vec![Material { base_color_picture: None, normal_picture: None, ..wardrobe.twig_bark().clone() }];
+    let mut materials = vec![Material {
+        base_color_picture: None,
+        normal_picture: None,
+        passing_picture: None,
+        ..wardrobe.twig_bark().clone()
+    }];
+    let models: Vec<(&Pieces, u32, &Frame)> = models.collect();
     let (mut drawn, mut sights) = (Vec::new(), Vec::new());
-    for (level, piece, frame) in models {
-        monitor.check()?;
-        let model = model(level, piece, frame, specimen, body, wardrobe, &mut materials, monitor)?;
-        sights.extend(seen(drawn.len(), &model, frame));
-        drawn.push(model);
+    for level in models.chunk_by(|(a, ..), (b, ..)| std::ptr::eq(*a, *b)) {
+        let mut build = |scale: f32| {
+            let build = |&(level, piece, frame): &(&Pieces, u32, &Frame)| {
+                monitor.check()?;
+                model(level, piece, frame, scale, specimen, body, wardrobe, &mut materials, monitor)
+            };
+            level.iter().map(build).collect::<Result<Vec<Model>, DetailError>>()
+        };
+        let mut built = build(1.0)?;
+        let shown = built.iter().zip(level).map(|(model, (.., frame))| leaf_areas(model, frame));
+        let (cards, leaves) = shown.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+        let scale = leaf_scale(cards, leaves);
+        if scale > 1.0 {
+            built = build(scale)?;
+        }
+        for (model, (.., frame)) in built.into_iter().zip(level) {
+            sights.extend(seen(drawn.len(), &model, frame));
+            drawn.push(model);
+        }
     }
     let sheet = Sheet::new(&sights, size_px);
     let size = Pixels::new(size_px, size_px);
@@ -128,7 +149,9 @@ pub(super) fn draw<'a>(
         add_plane(&mut meshes[sight.model], sight, *corner, sheet.scale, size_px);
     }
     let decided_by = || decided_by(&drawn, &sights, &materials, size_px);
-    let [color, normal] = specimen.drawn.cards(decided_by, monitor, || {
+    // Mostly of leaves, where there are any.
+    let translucency = materials.iter().find_map(|material| material.translucency);
+    let [color, normal, passing] = specimen.drawn.cards(decided_by, monitor, || {
         let textures: Vec<Option<Texture>> = materials.par_iter().map(Texture::of).collect();
         let drawn_cell = |sight: &Sight| {
             let cell = sheet.pixels(sight);
@@ -164,8 +187,8 @@ pub(super) fn draw<'a>(
                 pile.lay(&cell, **corner, light);
             }
         }
-        let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
-        Ok::<_, DetailError>([color, normal].map(Arc::new))
+        let Finished { color, normal, passing } = pile.finish(CUTOUT, true, monitor)?;
+        Ok::<_, DetailError>([color, normal, passing].map(Arc::new))
     })?;
     let mean = drawing::mean(&color).map(code);
     let whole = Cell {
@@ -182,8 +205,8 @@ pub(super) fn draw<'a>(
         normal: Some(normal),
         is_cut_out: true,
         cells: vec![whole],
-        // Mostly of leaves, where there are any.
-        translucency: materials.iter().find_map(|material| material.translucency),
+        translucency,
+        passing: translucency.map(|_| passing),
     };
     Ok(DrawnCards { meshes, cover })
 }
@@ -249,12 +272,13 @@ fn shade_share(pieces: usize) -> f32 {
     OF_FEW / crowd.sqrt().sqrt()
 }
 
-/// The leaves and the thin wood of a piece.
+/// The leaves and the thin wood of a piece, the leaves larger by a factor.
 #[expect(clippy::too_many_arguments)]
 fn model(
     level: &Pieces,
     piece: u32,
     frame: &Frame,
+    scale: f32,
     specimen: &Specimen<'_>,
     body: Body<'_>,
     wardrobe: &Wardrobe,
@@ -266,9 +290,9 @@ fn model(
         piece_of.get(body.organs.growth(organ).node as usize) == Some(&piece)
             && level.forms.may_be_on_cards(body.organs, organ)
     };
-    let organs = Arc::new(selected(body.organs, is_in, |_| 1.0));
+    let organs = Arc::new(selected(body.organs, is_in, |_| scale));
     let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
-    let mut parts = vec![(0, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
+    let mut parts = vec![(WOOD, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
     let (found, foliage) =
         wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
     for part in foliage {
@@ -321,6 +345,46 @@ fn wood(skeleton: &Skeleton, piece: u32, thickest_m: f32, level: &Pieces) -> Mes
         }
     }
     mesh
+}
+
+/// How much larger leaves are drawn whose cards show so much of them to who stands on the ground, where leaves themselves
+/// would show so much: level ones are seen from their edges on upright planes, and by nobody else.
+fn leaf_scale(cards: f64, leaves: f64) -> f32 {
+    /// Two planes show more than one, and lie before each other: as much as oaks and birches need.
+    const SHOWN: f64 = 1.06;
+    const MOST: f64 = 1.35;
+    if cards <= 0.0 { 1.0 } else { (SHOWN * leaves / cards).sqrt().clamp(1.0, MOST) as f32 }
+}
+
+/// The area of the leaves of a piece, hidden or not, as its card shows it and as it is: the mean over views from a little
+/// above the horizon.
+fn leaf_areas(model: &Model, frame: &Frame) -> (f64, f64) {
+    const VIEWS: u32 = 8;
+    const RISE: f32 = 0.15;
+    let planes = seen(0, model, frame);
+    let views: Vec<Vec3> = (0..VIEWS)
+        .map(|view| {
+            let (sin, cos) = libm::sincosf(std::f32::consts::TAU * view as f32 / VIEWS as f32);
+            let toward = Vec3::new(sin, RISE, cos).normalize();
+            Vec3::new(toward.dot(frame.side()), toward.dot(frame.heading), toward.dot(frame.up))
+        })
+        .collect();
+    let on_plane: Vec<f32> = planes
+        .iter()
+        .map(|sight| views.iter().map(|view| view.dot(sight.plane.toward).abs()).sum())
+        .collect();
+    let (mut cards, mut leaves) = (0.0, 0.0);
+    for (_, mesh) in model.parts.iter().filter(|(material, _)| *material != WOOD) {
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+            let normal = (b - a).cross(c - a);
+            leaves += views.iter().map(|view| f64::from(normal.dot(*view).abs())).sum::<f64>();
+            let shown =
+                planes.iter().zip(&on_plane).map(|(sight, seen)| seen * normal.dot(sight.plane.toward).abs());
+            cards += f64::from(shown.sum::<f32>());
+        }
+    }
+    (cards, leaves)
 }
 
 /// The planes that show most of a piece to who stands on the ground, and what they show.
@@ -419,6 +483,31 @@ fn shelves(sights: &[Sight], order: &[usize], scale: f32, size_px: u32) -> Optio
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A piece of one leaf, a square of some tilt from level, turned about the upright.
+    fn leaf(tilt: f32) -> (Model, Frame) {
+        let turn = glam::Quat::from_rotation_y(0.6) * glam::Quat::from_rotation_x(tilt);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let frame = Frame { middle: Vec3::ZERO, heading: Vec3::Z, up: Vec3::Y, radius_m: 1.0 };
+        let positions = corners.map(|(x, z)| frame.local(turn * Vec3::new(x, 0.0, z))).to_vec();
+        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        (Model { parts: vec![(WOOD, Mesh::default()), (1, mesh)], shade_share: 0.0 }, frame)
+    }
+
+    #[test]
+    fn leaves_that_lie_level_are_drawn_larger_as_upright_planes_show_less_of_them() {
+        let shown = |tilt: f32| {
+            let (model, frame) = leaf(tilt);
+            let (cards, leaves) = leaf_areas(&model, &frame);
+            cards / leaves
+        };
+        // An upright leaf on one of the planes that it is seen on, and beside it none of it on the other.
+        let (upright, sloping, level) = (shown(std::f32::consts::FRAC_PI_2), shown(0.8), shown(0.25));
+        assert!(upright > 1.0 && upright > sloping && sloping > level, "{upright} {sloping} {level}");
+        assert_eq!(leaf_scale(1.2, 1.0), 1.0);
+        assert!((leaf_scale(0.75, 1.0) - libm::sqrtf(1.06 / 0.75)).abs() < 1e-6);
+        assert_eq!((leaf_scale(0.01, 1.0), leaf_scale(0.0, 0.0)), (1.35, 1.0));
+    }
 
     #[test]
     fn light_within_a_piece_is_what_falls_through_it_to_what_is_seen() {

@@ -174,6 +174,33 @@ fn smaller_copies_of_the_picture_cover_as_much() {
     assert!((0.8..1.25).contains(&mean), "{mean}");
 }
 
+/// Where one leaf is seen, all that passes a leaf passes; it gets less with each one behind, and through wood none does.
+#[test]
+fn less_light_passes_cards_where_more_leaves_lie_one_behind_another() {
+    let picture_of = |knobs: &[(&str, &str)]| {
+        let (subject, grown) = subject("drawn-ash", knobs);
+        let levels = dressed(&subject, &grown);
+        let material = levels[0].scene.materials.iter().find(|material| material.name == "branches").unwrap();
+        let shown = material.base_color_picture.clone().unwrap();
+        material.passing_picture.clone().map(|passing| {
+            assert_eq!([passing.width(), passing.height()], [shown.width(), shown.height()]);
+            let pixels = |picture: &linden_base::picture::Picture| picture.rgba().as_chunks::<4>().0.to_vec();
+            let seen = pixels(&shown).into_iter().zip(pixels(&passing)).filter(|(color, _)| color[3] >= 128);
+            seen.map(|(_, passes)| f64::from(passes[3]) / 255.0).collect::<Vec<_>>()
+        })
+    };
+    let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+    let sized = ("triangles", "9000");
+    let leaves = picture_of(&[sized]).unwrap();
+    let (full, none) =
+        (leaves.iter().filter(|x| **x > 0.9).count(), leaves.iter().filter(|x| **x < 0.1).count());
+    assert!(full > leaves.len() / 20 && none > leaves.len() / 20, "{full} and {none} of {}", leaves.len());
+    // Fewer leaves, more light.
+    let few = picture_of(&[sized, ("leaf_keep", "0.3")]).unwrap();
+    assert!(mean(&few) > mean(&leaves) + 0.05, "{} {}", mean(&few), mean(&leaves));
+    assert!(picture_of(&[sized, ("leaf_translucency", "0")]).is_none());
+}
+
 #[test]
 fn cards_show_twigs_in_seasons_without_leaves() {
     let (subject, grown) = subject("oak", &[("triangles", "12000")]);

@@ -1,10 +1,11 @@
 //! Samples → pictures: alpha that a threshold can cut, colours beyond the edge.
 
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use rayon::prelude::*;
 
 use super::Canvas;
 use super::Pixels;
+use super::raster::ROWS_PER_COUNT;
 use crate::detail::wood::GOLDEN;
 use crate::texture::leaf;
 use linden_base::color;
@@ -18,43 +19,55 @@ pub(in crate::detail) struct Finished {
     pub color: Picture,
     /// Tangent space.
     pub normal: Picture,
+    /// See [`Material::passing_picture`](crate::scene::Material::passing_picture).
+    pub passing: Picture,
 }
 
 /// A picture that is put together from what was drawn in samples.
 pub(in crate::detail) struct Pile {
     colors: Plane,
     normals: Plane,
+    passing: Plane,
     /// Share of a pixel that a sample is.
     share: f32,
 }
 
-/// What the pixels of a drawing show: colours and normals, summed over their samples.
+/// What the pixels of a drawing show: colours and normals, summed over their samples; what passes what is nearest, and
+/// how many samples that is of.
 pub(in crate::detail) struct Resolved {
     size: Pixels,
     pixels: Vec<(Vec4, Vec4)>,
+    passing: Vec<Vec2>,
 }
 
 impl Resolved {
     /// Bytes of so many pixels.
     pub const fn bytes(pixels: usize) -> u64 {
-        bytes_of::<(Vec4, Vec4)>(pixels)
+        bytes_of::<(Vec4, Vec4, Vec2)>(pixels)
     }
 
     /// Of `samples × samples` to a pixel.
     pub fn of(drawn: &Canvas, samples: u32) -> Self {
         let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
         let mut pixels = vec![(Vec4::ZERO, Vec4::ZERO); size.area()];
+        let mut passing = vec![Vec2::ZERO; size.area()];
         for (row, line) in drawn.samples.chunks_exact(drawn.size.x as usize).enumerate() {
             let first = row / samples as usize * size.x as usize;
+            let is_counted = row.is_multiple_of(ROWS_PER_COUNT as usize);
             for (column, seen) in line.iter().enumerate() {
                 let at = first + column / samples as usize;
                 if let (Some(pixel), true) = (pixels.get_mut(at), seen.near_m > f32::NEG_INFINITY) {
                     pixel.0 += seen.color.extend(1.0);
                     pixel.1 += seen.normal.extend(1.0);
+                    if is_counted {
+                        // What is nearest is what the material says.
+                        let [nearest, behind] = seen.passes;
+                        passing[at] += Vec2::new(if nearest > 0.0 { behind } else { 0.0 }, 1.0);
+                    }
                 }
             }
         }
-        Self { size, pixels }
+        Self { size, pixels, passing }
     }
 
     /// Of all that is seen, linear.
@@ -67,25 +80,33 @@ impl Resolved {
 impl Pile {
     /// Nothing yet, for drawings of `samples × samples` to a pixel.
     pub fn new(size: Pixels, samples: u32) -> Self {
-        Self { colors: Plane::new(size), normals: Plane::new(size), share: 1.0 / (samples * samples) as f32 }
+        let [colors, normals, passing] = [(); 3].map(|()| Plane::new(size));
+        Self { colors, normals, passing, share: 1.0 / (samples * samples) as f32 }
     }
 
     /// Bytes while it is made and finished.
     pub const fn bytes(size: Pixels) -> u64 {
-        bytes_of::<[f32; 16]>(size.area())
+        bytes_of::<[f32; 21]>(size.area())
     }
 
     /// Lays a drawing, its upper left corner at a pixel, its colours times `light`.
     pub fn lay(&mut self, drawing: &Resolved, corner: Pixels, light: Vec3) {
         let light = light.extend(1.0);
         let size = self.colors.size;
-        for (row, line) in drawing.pixels.chunks_exact((drawing.size.x as usize).max(1)).enumerate() {
+        let width = (drawing.size.x as usize).max(1);
+        for (row, line) in drawing.pixels.chunks_exact(width).enumerate() {
             let y = corner.y as usize + row;
-            for (x, (color, normal)) in (corner.x as usize..size.x as usize).zip(line) {
-                if y < size.y as usize {
-                    self.colors.values[y * size.x as usize + x] += *color * light;
-                    self.normals.values[y * size.x as usize + x] += *normal;
-                }
+            if y >= size.y as usize {
+                break;
+            }
+            let first = y * size.x as usize;
+            let passing = &drawing.passing[row * width..][..width];
+            for (x, ((color, normal), seen)) in
+                (corner.x as usize..size.x as usize).zip(line.iter().zip(passing))
+            {
+                self.colors.values[first + x] += *color * light;
+                self.normals.values[first + x] += *normal;
+                self.passing.values[first + x] += Vec4::new(seen.x, 0.0, 0.0, seen.y);
             }
         }
     }
@@ -93,14 +114,17 @@ impl Pile {
     /// Makes the pictures, cut out where alpha is below `cutout`. What is covered stays so `in_copies`: smaller
     /// ones of the picture. That costs about half of the file again where thin wood is seen.
     pub fn finish(self, cutout: f32, in_copies: bool, monitor: &dyn Monitor) -> Result<Finished, Cancelled> {
-        let Self { mut colors, mut normals, share } = self;
+        let Self { mut colors, mut normals, mut passing, share } = self;
         let size = colors.size;
         let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
         let mut alpha = keep_coverage(&covered, size, cutout);
         if in_copies {
             leaf::keep_coverage(&mut alpha, size.x as usize);
         }
-        let (filled, others) = rayon::join(|| colors.fill(monitor), || normals.fill(monitor));
+        let (filled, others) = rayon::join(
+            || colors.fill(monitor),
+            || normals.fill(monitor).and_then(|()| passing.fill(monitor)),
+        );
         filled.and(others)?;
         let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
         let colored = |(color, alpha): (&Vec4, f32)| {
@@ -114,7 +138,8 @@ impl Pile {
         let color: Vec<[u8; 4]> = colors.values.par_iter().zip(alpha).map(colored).collect();
         let normal: Vec<[u8; 4]> = normals.values.par_iter().map(normal).collect();
         let picture = |pixels: Vec<[u8; 4]>| Picture::new(size.x, size.y, pixels.into_flattened());
-        Ok(Finished { color: picture(color), normal: picture(normal) })
+        let passing = passing.values.iter().map(|seen| [255, 255, 255, code(seen.x)]).collect();
+        Ok(Finished { color: picture(color), normal: picture(normal), passing: picture(passing) })
     }
 }
 

@@ -22,6 +22,9 @@ pub(in crate::detail) struct Drawn {
     pub color: Vec3,
     /// Unit vector: to the right, up, towards the viewer.
     pub normal: Vec3,
+    /// The share of light that passes what is nearest, and what passes all behind it: in rows that are counted
+    /// ([`ROWS_PER_COUNT`]).
+    pub passes: [f32; 2],
 }
 
 /// All samples, rows from the top.
@@ -33,11 +36,12 @@ pub(in crate::detail) struct Canvas {
 }
 
 /// Rows for each in which all is counted: as good for a mean.
-const ROWS_PER_COUNT: u32 = 4;
+pub(super) const ROWS_PER_COUNT: u32 = 4;
 
 impl Canvas {
     pub fn new(size: Pixels) -> Self {
-        let nothing = Drawn { near_m: f32::NEG_INFINITY, color: Vec3::ZERO, normal: Vec3::Z };
+        let nothing =
+            Drawn { near_m: f32::NEG_INFINITY, color: Vec3::ZERO, normal: Vec3::Z, passes: [1.0; 2] };
         Self { size, samples: vec![nothing; size.area()], hits: 0 }
     }
 
@@ -154,7 +158,13 @@ pub(in crate::detail) fn draw(
                         color.truncate() / color.w.max(1e-3)
                     }
                 };
-                canvas.hits += u64::from(is_counted);
+                if is_counted {
+                    canvas.hits += 1;
+                    let passes = material.translucency.map_or(0.0, |through| through.passing(color));
+                    let [nearest, behind] = sample.passes;
+                    sample.passes =
+                        if is_hidden { [nearest, behind * passes] } else { [passes, behind * nearest] };
+                }
                 if is_hidden {
                     continue;
                 }
@@ -167,7 +177,7 @@ pub(in crate::detail) fn draw(
                 // Smooth normals may look away from the viewer at a rim; a picture cannot.
                 normal.z = normal.z.max(0.0);
                 let normal = Vec3::Z.lerp(normal.normalize_or(Vec3::Z), view.relief);
-                *sample = Drawn { near_m, color, normal: normal.normalize_or(Vec3::Z) };
+                *sample = Drawn { near_m, color, normal: normal.normalize_or(Vec3::Z), ..*sample };
             }
         }
     }
@@ -198,6 +208,7 @@ fn inside(first: Vec2, across: Vec2, count: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Translucency;
     use crate::testing::plain;
     use linden_base::random::Key;
 
@@ -243,6 +254,52 @@ mod tests {
         lay(&square(0.0, 16.0, 3.0), 3.0);
         // A quarter of it.
         lay(&square(0.0, 8.0, 0.0), 3.25);
+    }
+
+    #[test]
+    fn light_passes_what_is_nearest_and_each_thing_behind_it_in_any_order() {
+        let view = View {
+            origin: Vec3::ZERO,
+            right: Vec3::X,
+            up: Vec3::Y,
+            toward: Vec3::Z,
+            corner: Vec2::new(0.0, 8.0),
+            relief: 1.0,
+            cuts_whole: false,
+            scale: 1.0,
+            first: Pixels::new(0, 0),
+            size: Pixels::new(8, 8),
+        };
+        let leaf = |gray: f32| Material {
+            translucency: Some(Translucency { share: 0.5, tint: [1.0; 3] }),
+            ..plain([gray; 3], true)
+        };
+        // A leaf of luminance 0.8 passes 0.4; wood, nothing.
+        let layers = [(1.0, leaf(0.8)), (2.0, leaf(0.4)), (3.0, leaf(0.6))];
+        let wood = (0.5, plain([0.6; 3], true));
+        for (order, with_wood, expected) in [
+            ([0, 1, 2], false, [0.3, 0.2 * 0.4]),
+            ([2, 1, 0], false, [0.3, 0.2 * 0.4]),
+            ([1, 2, 0], false, [0.3, 0.2 * 0.4]),
+            ([1, 0, 2], true, [0.3, 0.0]),
+        ] {
+            let mut canvas = Canvas::new(view.size);
+            for (near_m, material) in order.map(|i| &layers[i]).into_iter().chain(with_wood.then_some(&wood))
+            {
+                // Off the diagonal, which two triangles share.
+                draw(
+                    &mut canvas,
+                    &view,
+                    &square(0.0, 8.0, *near_m),
+                    material,
+                    None,
+                    &linden_base::monitor::Quiet,
+                )
+                .unwrap();
+            }
+            let found = canvas.samples[4 * 8 + 6].passes;
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-5), "{order:?}: {found:?}");
+        }
     }
 
     #[test]

@@ -125,5 +125,6 @@ fn material() -> Material {
         cutout: None,
         wrap: Wrap::Clamp,
         translucency: Translucency::leaf(0.35),
+        passing_picture: None,
     }
 }

@@ -149,5 +149,6 @@ fn material(leaf: &FallenLeaf, number: usize) -> Material {
         double_sided: true,
         wrap: Wrap::Clamp,
         translucency: None,
+        passing_picture: None,
     }
 }
