@@ -292,7 +292,7 @@ fn what_pivots_in_pictures_cannot_hold_is_said() {
             &["simple", "-o", "x.glb", "--wind", "--set", "glb.lightmap_uv=true"][..],
             "lightmap_uv is left out: wind_as=pivot-painter has TEXCOORD_1",
         ),
-        (&["lombardy-poplar", "--triangles=3000", "-o", "x.glb", "--wind"], "reach beyond 20.48 m"),
+        (&["beech", "--triangles=3000", "-o", "x.glb", "--wind"], "reach beyond 20.48 m"),
         (&["simple", "-o", "x.glb"], "wind_as changes nothing: nothing moves"),
         (&["simple", "-o", "-", "--format", "glb", "--wind"], "a single stream has no pictures beside it"),
     ] {

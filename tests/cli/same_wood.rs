@@ -5,7 +5,7 @@ use crate::program::{Folder, linden};
 
 /// Plants of both generators.
 const PLANTS: [(&str, &str); 4] = [
-    ("weeping-birch", "lsystem"),
+    ("european-larch", "lsystem"),
     ("dressed-honda-a", "lsystem"),
     ("drawn-oak", "colonization"),
     ("dressed-fir", "colonization"),

@@ -141,7 +141,7 @@ fn the_knobs_are_those_of_the_program() {
          ## Spreads\n\n\
          A knob of numbers may say what each seed draws its value from instead: `\"9 ± 1\"` is a normal distribution by its \
          mean and\nstandard deviation (cut at three of them, and at the knob's range), `\"7..12\"` is uniform. `+-` and `+/-` \
-         are read as `±`. In a list, each number may\nhave one: `\"45±5 60 50..70\"`.\n\n\
+         are read as `±`. In a list, each number may\nhave one: `\"45±5 60 50..70\"`; one number is a list of one.\n\n\
          ```sh\nlinden sheet fir --seeds 6 --set crown_height='9 ± 1' -o firs.png\n\
          linden forest fir:40 --set 'crown_height=7..12' -o wood.glb --area 60 --scene\n```\n\n\
          The same seed draws the same value, on every machine; each knob draws for itself. Files and recipes keep the \

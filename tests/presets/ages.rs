@@ -6,9 +6,6 @@ use linden::preset::{Colonization, ScanSettings, builtins};
 use linden_tests::presets::recipe;
 use rayon::prelude::*;
 
-/// Grammars that make the height first, and then branches; their `age` is that of the grammar.
-const HEIGHT_FIRST: [&str; 2] = ["cedar-of-lebanon", "weeping-willow"];
-
 /// At a quarter of its age no plant of light, of a grammar or of Weber and Penn is nearly as high as when it is grown, and
 /// none is thicker.
 #[test]
@@ -42,12 +39,7 @@ fn young_plants_are_low_and_slender() {
         // Where there is growth enough to tell.
         if is_plant && steps.count >= 12 {
             let share = young_m.height_m / grown_m.height_m;
-            let is_late = HEIGHT_FIRST.contains(&builtin.id);
-            assert!(
-                is_late || share < 0.8,
-                "{}: {share:.2} of its height at a quarter of its age",
-                builtin.id
-            );
+            assert!(share < 0.8, "{}: {share:.2} of its height at a quarter of its age", builtin.id);
         }
     });
 }
