@@ -31,6 +31,7 @@ fn scanned(what: &str, hits: &[Hit], sd_m: f64, settings: &[(&str, &str)]) -> (G
 }
 
 /// What comes back, as parts of what there was; each within its bounds.
+#[derive(Clone, Copy)]
 struct Bounds {
     length: (f64, f64),
     /// At most.
@@ -73,7 +74,9 @@ fn assert_all_come_back(id: &str, settings: &[(&str, &str)]) {
         Bounds { length: (0.93, 1.04), second_order: 1.1, surface_mm: (20.0, 60.0), volume: (0.9, 1.1) };
     assert_comes_back(&truth, &hits, 0.0, "exact", &bare);
     assert_comes_back(&truth, &hits, 0.003, "3 mm", &bare);
-    assert_comes_back(&truth, &hits, 0.01, "10 mm", &bare);
+    // Noise as large as the cubes that points are thinned to parts what is one twig here and there.
+    let noisy = Bounds { length: (0.93, 1.09), ..bare };
+    assert_comes_back(&truth, &hits, 0.01, "10 mm", &noisy);
     assert_comes_back(&truth, &with_gaps(&hits, CENTRE, SENSORS_M), 0.003, "gaps", &bare);
     assert_comes_back(&truth, &seen(&hits, SENSORS_M, key()), 0.003, "three sensors", &bare);
     let mut leafy = hits.clone();

@@ -8,6 +8,8 @@
 
 #![allow(clippy::print_stdout, reason = "the table is what the documentation quotes")]
 
+use std::collections::BTreeSet;
+
 use linden::Quiet;
 use linden::glam::DVec3;
 use linden::grow::{Grown, grow};
@@ -77,11 +79,13 @@ struct Told {
 
 fn told(seen: &Seen, rule: &ScanRule) -> Told {
     let scan = prepare(&seen.points, rule, &Quiet).unwrap();
-    let mut bark = scan.bark.iter().peekable();
+    // Bark stands in an order of its own.
+    let bits = |p: &DVec3| p.to_array().map(f64::to_bits);
+    let bark: BTreeSet<[u64; 3]> = scan.bark.iter().map(bits).collect();
     // By what they are, leaf or not: all, and those that were told so.
     let mut counts = [[0_u32; 2]; 2];
     for (point, &is_leaf) in seen.points.iter().zip(&seen.is_leaf) {
-        let is_bark = bark.next_if(|bark| *bark == point).is_some();
+        let is_bark = bark.contains(&bits(point));
         counts[usize::from(is_leaf)][0] += 1;
         counts[usize::from(is_leaf)][1] += u32::from(is_bark != is_leaf);
     }

@@ -4,17 +4,10 @@
 //! They go before anything is measured: one row of them among a thousand moves medians, spacing and foot.
 
 use glam::DVec3;
-use rayon::prelude::*;
 
 use super::neighbours::Neighbours;
-use super::{ScanError, frame};
+use super::{ScanError, frame, z_order};
 use linden_base::monitor::Monitor;
-
-/// Points that are sorted at a time: about a millisecond.
-const BUCKET: usize = 1 << 13;
-
-/// Rows between two looks at the monitor.
-const ROWS_PER_CHECK: usize = 1 << 16;
 
 /// Indices and marks, and the points that are kept.
 const BYTES_PER_POINT: u64 = 40;
@@ -48,27 +41,27 @@ pub fn distinct(points: &[DVec3], is_scan: bool, monitor: &dyn Monitor) -> Resul
     monitor.admit("looking for points that are there twice", bytes, "thin the points out")?;
     // Adding zero makes -0 and 0 the same.
     let bits = |i: u32| (points[i as usize] + 0.0).to_array().map(f64::to_bits);
-    let count = (points.len() / BUCKET).next_power_of_two();
-    let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); count];
-    for i in 0..points.len() as u32 {
-        if (i as usize).is_multiple_of(ROWS_PER_CHECK) {
-            monitor.check()?;
-        }
+    let mix = |i: u32| {
         let [x, y, z] = bits(i);
         // Multiplicative hashing (Knuth): the upper bits depend on all of the lower ones.
-        let mixed = (x ^ y.rotate_left(21) ^ z.rotate_left(42)).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-        buckets[(mixed >> 32) as usize % count].push(i);
-    }
-    let repeats = |bucket: &mut Vec<u32>| {
-        monitor.check()?;
-        bucket.sort_unstable_by_key(|&i| (bits(i), i));
-        let pairs = bucket.windows(2).filter(|pair| bits(pair[0]) == bits(pair[1]));
-        Ok(pairs.map(|pair| pair[1]).collect())
+        (x ^ y.rotate_left(21) ^ z.rotate_left(42)).wrapping_mul(0x9e37_79b9_7f4a_7c15)
     };
-    let repeats: Vec<Vec<u32>> = buckets.par_iter_mut().map(repeats).collect::<Result<_, ScanError>>()?;
-    drop(buckets);
+    let mut order: Vec<(u64, u32)> = (0..points.len() as u32).map(|i| (mix(i), i)).collect();
+    monitor.check()?;
+    z_order::sort(&mut order);
+    monitor.check()?;
+    let mut repeats = Vec::new();
+    let mut same: Vec<u32> = Vec::new();
+    for mixed in order.chunk_by(|a, b| a.0 == b.0).filter(|mixed| mixed.len() > 1) {
+        // Mostly one place, or else sorted out.
+        same.clear();
+        same.extend(mixed.iter().map(|&(_, i)| i));
+        same.sort_unstable_by_key(|&i| (bits(i), i));
+        repeats.extend(same.windows(2).filter(|pair| bits(pair[0]) == bits(pair[1])).map(|pair| pair[1]));
+    }
+    drop(order);
     let mut is_repeat = vec![false; points.len()];
-    for &i in repeats.iter().flatten() {
+    for &i in &repeats {
         is_repeat[i as usize] = true;
     }
     let origins = points.iter().filter(|p| **p == DVec3::ZERO).count();
@@ -140,7 +133,7 @@ mod tests {
 
     #[test]
     fn each_place_stays_once_and_in_order() {
-        // More than a bucket, so that several are looked through.
+        // Enough for a sort of some depth.
         let points = cloud(40_000);
         let mut rows = Vec::new();
         for (i, &p) in points.iter().enumerate() {

@@ -16,12 +16,19 @@ use std::collections::BinaryHeap;
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::cells::{Cells, Near};
 use super::neighbours::Neighbours;
+use super::retain_unmarked;
 use super::trunk::Trunk;
+use super::z_order;
 use linden_base::monitor::{Cancelled, Monitor};
 
 /// Links per point: enough to close a ring of points around a stem.
 const LINKS: usize = 12;
+
+/// Points of one section are joined by links no longer than the wood is thick there, as far as its way beyond lets expect:
+/// at least this part of the reach. Twigs that grow side by side are not tied together.
+const JOINED: f64 = 0.55;
 
 /// The weight of a centre that smoothing leaves where it is.
 const FIXED: f64 = 1e9;
@@ -49,7 +56,7 @@ pub(super) struct Graph {
     pub points: Vec<DVec3>,
     /// Links longer than this are bridges.
     pub reach: f64,
-    /// Where each point's links go, point after point, in rising order, each once.
+    /// Where each point's links go, point after point, each once.
     links: Vec<u32>,
     /// Where the links of each point begin, and behind those of the last.
     starts: Vec<usize>,
@@ -125,26 +132,48 @@ impl Ways {
 impl Graph {
     /// Links each point with its nearest within `reach`, drops strays, bridges the gaps.
     pub fn new(points: Vec<DVec3>, reach: f64, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let (points, strays) = without_strays(points, reach, monitor)?;
-        let tree = Neighbours::new(&points, monitor)?;
-        let mut pieces = Pieces::new(points.len());
-        let mut links = links(&points, &tree, reach, monitor)?;
-        for &(from, to) in links.iter().step_by(2) {
-            pieces.join(from, to);
+        let (nearest, _) = links_within(&points, reach, |_| 0, monitor)?;
+        Self::linked(points, nearest, reach, monitor)
+    }
+
+    /// The same of points whose nearest are known.
+    pub fn linked(
+        mut points: Vec<DVec3>,
+        mut nearest: Vec<LinkedTo>,
+        reach: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let before = points.len();
+        if let Some(is_stray) = strays(&points, &nearest, reach, monitor)? {
+            retain_unmarked(&mut points, &is_stray);
+            nearest = without(nearest, &is_stray);
         }
-        other_bridges(&points, &tree, &mut pieces, reach, &mut links, monitor)?;
-        loop {
-            let bridges = shortest_bridges(&points, &tree, &mut pieces, monitor)?;
-            if bridges.is_empty() {
-                break;
+        let strays = before - points.len();
+        let mut pieces = Pieces::new(points.len());
+        for (from, nearest) in (0..).zip(&nearest) {
+            for &to in nearest {
+                pieces.join(from, to);
             }
-            for (_, from, to) in bridges {
-                if pieces.join(from, to) {
-                    links.extend([(from, to), (to, from)]);
+        }
+        let mut bridges = Vec::new();
+        if !pieces.is_one() {
+            let tree = Neighbours::new(&points, monitor)?;
+            other_bridges(&points, &tree, &mut pieces, reach, &mut bridges, monitor)?;
+            loop {
+                let shortest = shortest_bridges(&points, &tree, &mut pieces, monitor)?;
+                if shortest.is_empty() {
+                    break;
+                }
+                for (_, from, to) in shortest {
+                    if pieces.join(from, to) {
+                        bridges.extend([(from, to), (to, from)]);
+                    }
                 }
             }
+            bridges.sort_unstable();
+            bridges.dedup();
         }
-        let (links, starts) = by_point(&links, points.len());
+        let (links, starts) = by_point(&nearest, &bridges);
         Ok(Self { points, reach, links, starts, strays })
     }
 
@@ -169,7 +198,7 @@ impl Graph {
         lengths.filter(|&length| length > self.reach).collect()
     }
 
-    /// Both directions of each link: (from, to), sorted.
+    /// Both directions of each link: (from, to), point after point.
     fn pairs(&self) -> impl Iterator<Item = (u32, u32)> {
         let froms = 0..self.points.len() as u32;
         froms.flat_map(|from| self.links_of(from).iter().map(move |&to| (from, to)))
@@ -249,86 +278,125 @@ impl Graph {
     }
 }
 
-/// Both directions of each point's links with its nearest within `reach`, one after the other.
-fn links(
+/// Of each point the nearest others, then itself in what is left.
+pub(super) type LinkedTo = [u32; LINKS];
+
+/// Within this part of the reach there mostly are as many as links are made to.
+const FULL: f32 = 0.65;
+
+/// The nearest points of each within `reach`, and what `weigh` makes of all that are so near, itself among them.
+pub(super) fn links_within(
     points: &[DVec3],
-    tree: &Neighbours,
     reach: f64,
+    weigh: impl Fn(&[Near]) -> u32 + Sync,
     monitor: &dyn Monitor,
-) -> Result<Vec<(u32, u32)>, Cancelled> {
-    let of_some = |(part, points): (usize, &[DVec3])| {
-        monitor.check()?;
-        let (mut links, mut found) = (Vec::new(), Vec::new());
-        for (from, &p) in (part * POINTS_PER_CHECK..).zip(points) {
-            let from = from as u32;
-            tree.nearest(p, LINKS + 1, reach, &mut found);
-            let others = found.iter().map(|&(_, to)| to).filter(|&to| to != from);
-            links.extend(others.flat_map(|to| [(from, to), (to, from)]));
+) -> Result<(Vec<LinkedTo>, Vec<u32>), Cancelled> {
+    let full = (FULL * reach as f32) * (FULL * reach as f32);
+    let of_point = |from: u32, near: &mut Vec<Near>| {
+        let weight = weigh(near);
+        let mut nearest = [from; LINKS];
+        if near.iter().filter(|near| near.squared_m() < full).count() > LINKS {
+            near.retain(|near| near.squared_m() < full);
         }
-        Ok(links)
+        near.retain(|near| near.index() != from);
+        if near.len() > LINKS {
+            near.select_nth_unstable(LINKS);
+        }
+        for (nearest, near) in nearest.iter_mut().zip(&*near) {
+            *nearest = near.index();
+        }
+        (nearest, weight)
     };
-    let parts: Vec<Vec<(u32, u32)>> =
-        points.par_chunks(POINTS_PER_CHECK).enumerate().map(of_some).collect::<Result<_, Cancelled>>()?;
-    Ok(parts.concat())
+    Ok(Cells::new(points, reach).map(of_point, monitor)?.into_iter().unzip())
 }
 
-/// Links (from, to) point by point: where those of each go, in rising order and each once, and where they begin.
-fn by_point(links: &[(u32, u32)], points: usize) -> (Vec<u32>, Vec<usize>) {
-    let mut ends = vec![0; points + 1];
-    for &(from, _) in links {
-        ends[from as usize + 1] += 1;
-    }
-    for point in 0..points {
-        ends[point + 1] += ends[point];
-    }
-    let bounds = ends.clone();
-    let mut sorted = vec![0; links.len()];
-    for &(from, to) in links {
-        sorted[ends[from as usize]] = to;
-        ends[from as usize] += 1;
-    }
-    let (mut kept, mut starts) = (0, vec![0]);
-    for bound in bounds.windows(2) {
-        let (start, end) = (kept, bound[1]);
-        sorted[bound[0]..end].sort_unstable();
-        for at in bound[0]..end {
-            if kept == start || sorted[at] != sorted[kept - 1] {
-                sorted[kept] = sorted[at];
-                kept += 1;
-            }
+/// The same without the points that are marked, counted anew.
+pub(super) fn without(mut nearest: Vec<LinkedTo>, is_marked: &[bool]) -> Vec<LinkedTo> {
+    let mut left = 0;
+    let places: Vec<u32> = is_marked
+        .iter()
+        .map(|&is_marked| {
+            let place = left;
+            left += u32::from(!is_marked);
+            if is_marked { u32::MAX } else { place }
+        })
+        .collect();
+    let mut from = 0;
+    nearest.retain_mut(|nearest| {
+        let place = places[from];
+        for to in &mut *nearest {
+            let left = places[*to as usize];
+            *to = if left == u32::MAX { place } else { left };
         }
-        starts.push(kept);
-    }
-    sorted.truncate(kept);
-    (sorted, starts)
+        from += 1;
+        place != u32::MAX
+    });
+    nearest
 }
 
-/// Leaves out points that have no two others nearby: dust, birds, scattered pulses.
-fn without_strays(
-    points: Vec<DVec3>,
+/// Links of each point with its nearest, in both directions, and others: where those of each go, and where they begin.
+fn by_point(nearest: &[LinkedTo], others: &[(u32, u32)]) -> (Vec<u32>, Vec<usize>) {
+    let of_nearest = || {
+        let links = (0..).zip(nearest).flat_map(|(from, list)| list.iter().map(move |&to| (from, to)));
+        links.filter(|&(from, to)| to != from)
+    };
+    // Those that are mutual stand in both lists.
+    let is_one_way = |&(from, to): &(u32, u32)| !nearest[to as usize].contains(&from);
+    let back: Vec<(u32, u32)> = of_nearest().filter(is_one_way).map(|(from, to)| (to, from)).collect();
+    let all = || of_nearest().chain(back.iter().copied()).chain(others.iter().copied());
+    let mut starts = vec![0; nearest.len() + 1];
+    for (from, _) in all() {
+        starts[from as usize + 1] += 1;
+    }
+    for point in 0..nearest.len() {
+        starts[point + 1] += starts[point];
+    }
+    let mut next = starts.clone();
+    let mut links = vec![0; starts[nearest.len()]];
+    for (from, to) in all() {
+        let slot = &mut next[from as usize];
+        links[*slot] = to;
+        *slot += 1;
+    }
+    (links, starts)
+}
+
+/// Which points have no two others nearby: dust, birds, scattered pulses. `None` for a cloud so thin that all of it looks
+/// like that: it is meant to be so.
+fn strays(
+    points: &[DVec3],
+    nearest: &[LinkedTo],
     reach: f64,
     monitor: &dyn Monitor,
-) -> Result<(Vec<DVec3>, usize), Cancelled> {
-    let tree = Neighbours::new(&points, monitor)?;
-    let before = points.len();
-    let of_some = |points: &[DVec3]| {
+) -> Result<Option<Vec<bool>>, Cancelled> {
+    // The few that have no two within reach are searched for farther off.
+    let is_lonely = |(from, nearest): (u32, &LinkedTo)| nearest.iter().filter(|&&to| to != from).count() < 2;
+    let lonely = (0..).zip(nearest).filter(|&one| is_lonely(one)).map(|(from, _)| from);
+    let lonely: Vec<u32> = lonely.collect();
+    if lonely.is_empty() {
+        return Ok(None);
+    }
+    let tree = Neighbours::new(points, monitor)?;
+    let of_some = |some: &[u32]| {
         monitor.check()?;
         let mut found = Vec::new();
-        let has_others = |p: &DVec3| {
-            tree.nearest(*p, 3, 2.0 * reach, &mut found);
-            found.len() >= 3
+        let mut is_stray = |from: &u32| {
+            tree.nearest(points[*from as usize], 3, 2.0 * reach, &mut found);
+            found.len() < 3
         };
-        Ok(points.iter().copied().filter(has_others).collect())
+        Ok(some.iter().copied().filter(&mut is_stray).collect())
     };
-    let parts: Vec<Vec<DVec3>> =
-        points.par_chunks(POINTS_PER_CHECK).map(of_some).collect::<Result<_, Cancelled>>()?;
-    let kept = parts.concat();
-    // A cloud so thin that all of it looks stray is meant to be so; keep it.
-    if kept.len() * 2 < before {
-        return Ok((points, 0));
+    let strays: Vec<Vec<u32>> =
+        lonely.par_chunks(POINTS_PER_CHECK).map(of_some).collect::<Result<_, Cancelled>>()?;
+    let strays = strays.concat();
+    if strays.is_empty() || strays.len() * 2 > points.len() {
+        return Ok(None);
     }
-    let strays = before - kept.len();
-    Ok((kept, strays))
+    let mut is_stray = vec![false; points.len()];
+    for stray in strays {
+        is_stray[stray as usize] = true;
+    }
+    Ok(Some(is_stray))
 }
 
 /// Links each point outside the largest piece to the nearest point of several other pieces.
@@ -408,6 +476,10 @@ impl Pieces {
         Self((0..count as u32).collect())
     }
 
+    fn is_one(&mut self) -> bool {
+        (0..self.0.len() as u32).all(|i| self.of(i) == 0)
+    }
+
     fn of(&mut self, mut i: u32) -> u32 {
         while self.0[i as usize] != i {
             self.0[i as usize] = self.0[self.0[i as usize] as usize];
@@ -460,12 +532,12 @@ pub(super) struct Sections {
 }
 
 impl Sections {
-    /// Cuts the graph into sections `width` long along the ways from the foot.
+    /// Cuts the graph into sections `width` long along the ways from the foot; `radii_m` is how thick wood is expected to be there.
     /// On the bark of `trunks`, each of which stands on one of the roots, the axes of these stand for sections.
     /// What are `leaves` makes no section with what is wood.
     pub fn new(
         graph: &Graph,
-        ways: &Ways,
+        (ways, radii_m): (&Ways, &[f64]),
         (roots, trunks): (&[DVec3], &[Trunk]),
         leaves: &[bool],
         width: f64,
@@ -473,19 +545,24 @@ impl Sections {
         let count = graph.points.len() as u32;
         let place = |p: DVec3| (0..).zip(trunks).find_map(|(n, trunk)| Some((n, trunk.place(p)?.0)));
         let on_trunk: Vec<Option<(usize, usize)>> = graph.points.par_iter().map(|&p| place(p)).collect();
-        let level = |i: u32| (ways.length[i as usize] / width) as u64;
+        let levels: Vec<u64> = ways.length.iter().map(|length| (length / width) as u64).collect();
+        let level = |i: u32| levels[i as usize];
         let mut pieces = Pieces::new(graph.points.len());
-        for (a, b) in graph.pairs() {
+        for (a, b) in graph.pairs().filter(|&(a, b)| a < b && level(a) == level(b)) {
             let is_off = on_trunk[a as usize].is_none() && on_trunk[b as usize].is_none();
             let is_same = leaves.is_empty() || leaves[a as usize] == leaves[b as usize];
-            if is_off && is_same && level(a) == level(b) && graph.distance(a, b) <= graph.reach {
+            if is_off && is_same && {
+                let thick_m = 2.0 * radii_m[a as usize].max(radii_m[b as usize]);
+                graph.distance(a, b) <= thick_m.clamp(JOINED * graph.reach, graph.reach)
+            } {
                 pieces.join(a, b);
             }
         }
         // Sections in the order of their nearest point, so that parents come first.
-        let mut order: Vec<u32> = (0..count).collect();
         let length = |i: u32| ways.length[i as usize];
-        order.sort_unstable_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
+        // Bits of non-negative floats order as the floats do.
+        let mut order: Vec<(u64, u32)> = (0..count).map(|i| (length(i).to_bits(), i)).collect();
+        z_order::sort(&mut order);
         let mut section_of = vec![u32::MAX; graph.points.len()];
         let mut parents = vec![None; roots.len()];
         let mut members: Vec<Vec<DVec3>> = roots.iter().map(|&root| vec![root]).collect();
@@ -507,7 +584,7 @@ impl Sections {
                 section_of[i] = rings[*trunk] + *ring as u32;
             }
         }
-        for &i in &order {
+        for &(_, i) in &order {
             let piece = pieces.of(i) as usize;
             if section_of[piece] == u32::MAX {
                 section_of[piece] = members.len() as u32;
@@ -642,6 +719,71 @@ impl Sections {
 mod tests {
     use super::*;
     use linden_base::monitor::Quiet;
+    use linden_base::random::Key;
+
+    fn scattered(count: u64) -> Vec<DVec3> {
+        let point = |i| DVec3::from([0, 1, 2].map(|axis| Key::new(3).child(i).child(axis).unit()));
+        (0..count).map(point).collect()
+    }
+
+    fn links_of(points: &[DVec3], from: usize, reach: f64) -> Vec<u32> {
+        let mut all: Vec<(f64, u32)> = points.iter().map(|p| p.distance(points[from])).zip(0..).collect();
+        all.retain(|&(away, to)| away < reach && to as usize != from);
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        all.truncate(LINKS);
+        let mut nearest: Vec<u32> = all.iter().map(|&(_, to)| to).collect();
+        nearest.sort_unstable();
+        nearest
+    }
+
+    #[test]
+    fn links_lead_to_the_nearest_and_back() {
+        let points = scattered(700);
+        for reach in [0.05, 0.12, 0.3] {
+            let (nearest, near) = links_within(&points, reach, |near| near.len() as u32, &Quiet).unwrap();
+            let mut pairs: Vec<(u32, u32)> = Vec::new();
+            for (from, found) in nearest.iter().enumerate() {
+                let mut found: Vec<u32> = found.iter().copied().filter(|&to| to as usize != from).collect();
+                found.sort_unstable();
+                assert_eq!(found, links_of(&points, from, reach));
+                let around = points.iter().filter(|p| p.distance(points[from]) < reach).count();
+                assert_eq!(near[from] as usize, around);
+                pairs.extend(found.iter().flat_map(|&to| [(from as u32, to), (to, from as u32)]));
+            }
+            pairs.extend([(0, 1), (1, 0)]);
+            pairs.sort_unstable();
+            pairs.dedup();
+            let bridge = if pairs.contains(&(0, 1)) && nearest[0].contains(&1) {
+                vec![]
+            } else {
+                vec![(0, 1), (1, 0)]
+            };
+            let (links, starts) = by_point(&nearest, &bridge);
+            let mut found: Vec<(u32, u32)> = (0..points.len())
+                .flat_map(|from| {
+                    links[starts[from]..starts[from + 1]].iter().map(move |&to| (from as u32, to))
+                })
+                .collect();
+            found.sort_unstable();
+            found.dedup();
+            assert_eq!(found, pairs);
+        }
+    }
+
+    #[test]
+    fn what_is_taken_out_is_linked_no_more_and_all_else_is() {
+        let points = scattered(400);
+        let (nearest, _) = links_within(&points, 0.2, |_| 0, &Quiet).unwrap();
+        let is_out: Vec<bool> = (0..points.len()).map(|i| i % 7 == 3).collect();
+        let kept: Vec<usize> = (0..points.len()).filter(|&i| !is_out[i]).collect();
+        let left = without(nearest.clone(), &is_out);
+        assert_eq!(left.len(), kept.len());
+        for (place, (&from, left)) in kept.iter().zip(&left).enumerate() {
+            let given = nearest[from].iter().filter(|&&to| to as usize != from && !is_out[to as usize]);
+            let found = left.iter().filter(|&&to| to as usize != place).map(|&to| kept[to as usize] as u32);
+            assert_eq!(found.collect::<Vec<u32>>(), given.copied().collect::<Vec<u32>>());
+        }
+    }
 
     #[test]
     fn pieces_far_apart_are_bridged_without_looking_at_all_pairs() {

@@ -1,8 +1,11 @@
 //! How far a grown skeleton is from the scan that it grew into.
 
+use std::borrow::Cow;
+
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::girth::Placed;
 use super::neighbours::Neighbours;
 use super::segments::Segments;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -15,6 +18,16 @@ use linden_skeleton::{Branching, NO_PARENT, Skeleton};
 /// # Errors
 /// [`Cancelled`].
 pub fn gaps(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled> {
+    gaps_of_placed(points, None, skeleton, monitor)
+}
+
+/// The same of points that may have been given to segments already.
+pub(crate) fn gaps_of_placed(
+    points: &[Vec3],
+    placed: Option<&Placed>,
+    skeleton: &Skeleton,
+    monitor: &dyn Monitor,
+) -> Result<Option<Gaps>, Cancelled> {
     let Skeleton { positions, parents, radii, .. } = skeleton;
     let Some(segments) = Segments::new(positions, parents).filter(|_| !points.is_empty()) else {
         return Ok(None);
@@ -26,7 +39,10 @@ pub fn gaps(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resu
         let lower = f64::from(radii[below as usize]);
         lower + (upper - lower) * t
     };
-    let nearest = segments.nearest(points, monitor)?;
+    let nearest = match placed.and_then(|placed| placed.nearest(positions, parents)) {
+        Some(nearest) => Cow::Borrowed(nearest),
+        None => Cow::Owned(segments.nearest(points, monitor)?),
+    };
     let to_axis: Vec<f64> = nearest.iter().map(|n| n.distance_m).collect();
     let to_surface: Vec<f64> = nearest.iter().map(|n| (n.distance_m - radius_m(n.node, n.t)).abs()).collect();
     let of_points_m = to_surface.iter().map(|&gap| gap as f32).collect();

@@ -1,6 +1,6 @@
 //! Scans as a generator.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
@@ -18,10 +18,11 @@ use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZAT
 use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
 
 use crate::canopy::Verdict;
-use crate::girth::MEASURING_BYTES_PER_POINT;
+use crate::fit::gaps_of_placed;
+use crate::girth::{MEASURING_BYTES_PER_POINT, Placed};
 use crate::points::{As, Prepared, at_points};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, gaps, girth, trees};
+use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
@@ -264,8 +265,10 @@ impl Settings for ScanSettings {
             colonized.foot = Some(foot);
         }
         let measures = self.measures(&task.wood);
-        branched.measured =
-            bark.map(|bark| Box::new(Bark { points: bark, leaf_points, measures }) as Box<dyn Measured>);
+        branched.measured = bark.map(|bark| {
+            Box::new(Bark { points: bark, leaf_points, measures, placed: OnceLock::new() })
+                as Box<dyn Measured>
+        });
         Ok(branched)
     }
 
@@ -352,6 +355,8 @@ struct Bark {
     leaf_points: usize,
     /// Whether they say how thick the wood is.
     measures: bool,
+    /// The segments that they are nearest to, from when they were measured.
+    placed: OnceLock<Placed>,
 }
 
 impl Measured for Bark {
@@ -360,7 +365,7 @@ impl Measured for Bark {
     }
 
     fn bytes(&self) -> u64 {
-        bytes_of::<Vec3>(self.points.capacity())
+        bytes_of::<Vec3>(self.points.capacity()) + self.placed.get().map_or(0, Placed::bytes)
     }
 
     fn admit(&self, branching: &Branching, monitor: &dyn Monitor) -> Result<(), OverMemory> {
@@ -378,14 +383,16 @@ impl Measured for Bark {
             return Ok(None);
         }
         let girth = girth(branching, &self.points, wood.radius_exponent, monitor)?;
-        Ok(girth.map(|Girth { radii, fits, .. }| {
+        Ok(girth.map(|Girth { radii, fits, placed, .. }| {
             branching.radii = Some(radii);
+            // Measured again, the first stands: it is looked at only where the wood is the same.
+            let _ = self.placed.set(placed);
             fits
         }))
     }
 
     fn gaps(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled> {
-        gaps(&self.points, skeleton, monitor)
+        gaps_of_placed(&self.points, self.placed.get(), skeleton, monitor)
     }
 
     fn into_points(self: Box<Self>) -> Vec<Vec3> {

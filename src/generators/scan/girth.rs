@@ -16,8 +16,9 @@ use rayon::prelude::*;
 
 use super::allometry::{Allometry, growth_lengths_m};
 use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD, median};
-use super::segments::Segments;
+use super::segments::{Nearest, Segments};
 use super::stretch::{ByNode, STATION_M, STATION_RADII, Seen, Stretch};
+use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, axes_by_tips, count_tips};
 
@@ -44,8 +45,12 @@ const STOUT_PER_HEIGHT: f64 = 1.0 / 15.0;
 /// Thinner axes stay where growth has led them.
 const RECENTRED_M: f64 = 0.015;
 
-/// Points that tell where axes are.
-const FIRST_POINTS: usize = 300_000;
+/// Points that tell where axes are, and those of each circle at most.
+const FIRST_POINTS: usize = 150_000;
+const FIRST_POINTS_PER_CIRCLE: usize = 100;
+
+/// Points of each circle at most that tell how thick wood is.
+const POINTS_PER_CIRCLE: usize = 240;
 
 /// How often each node is averaged with its neighbours on its axis: growth goes to and fro by a part of its step.
 const SMOOTHING: usize = 2;
@@ -58,6 +63,27 @@ pub struct Girth {
     pub fits: Vec<RadiusFit>,
     /// Nodes whose radius points bear out.
     pub measured: usize,
+    /// Where each point is nearest to the wood.
+    pub(crate) placed: Placed,
+}
+
+/// Points by the segments that they are nearest to, and where these were.
+pub(crate) struct Placed {
+    positions: Vec<Vec3>,
+    parents: Vec<u32>,
+    nearest: Vec<Nearest>,
+}
+
+impl Placed {
+    /// The nearest segment of each point, if the wood is still the same.
+    pub fn nearest(&self, positions: &[Vec3], parents: &[u32]) -> Option<&[Nearest]> {
+        (self.positions == positions && self.parents == parents).then_some(&self.nearest)
+    }
+
+    pub fn bytes(&self) -> u64 {
+        let of_nodes = bytes_of::<Vec3>(self.positions.capacity()) + bytes_of::<u32>(self.parents.capacity());
+        of_nodes + bytes_of::<Nearest>(self.nearest.capacity())
+    }
 }
 
 /// Radii for a branching from points on its bark, where it stands; `None` where no circle is believed. Nodes are
@@ -73,12 +99,18 @@ pub fn girth(
 ) -> Result<Option<Girth>, Cancelled> {
     smooth(branching);
     let part: Vec<Vec3> = bark.iter().copied().step_by(bark.len().div_ceil(FIRST_POINTS).max(1)).collect();
-    let Some(first) = Round::new(branching, &part, exponent, monitor)? else { return Ok(None) };
+    let Some(first) = Round::new(branching, &part, exponent, FIRST_POINTS_PER_CIRCLE, monitor)? else {
+        return Ok(None);
+    };
     let Some(girth) = first.girth(branching) else { return Ok(None) };
     first.recentre(branching);
     first.drop_buried(branching, &girth.radii);
-    let Some(second) = Round::new(branching, bark, exponent, monitor)? else { return Ok(None) };
-    Ok(second.girth(branching))
+    let Some(second) = Round::new(branching, bark, exponent, POINTS_PER_CIRCLE, monitor)? else {
+        return Ok(None);
+    };
+    let Some(mut girth) = second.girth(branching) else { return Ok(None) };
+    girth.placed.nearest = second.nearest;
+    Ok(Some(girth))
 }
 
 /// Takes zigzag out of axes; feet and tips stay.
@@ -104,6 +136,8 @@ struct Round {
     axis_nodes: Vec<u32>,
     /// For each node its circle, and where the centre of that is.
     circles: Vec<Option<(Circle, DVec3)>>,
+    /// For each point its segment.
+    nearest: Vec<Nearest>,
     /// Nodes around which a circle was looked for.
     looked: Vec<bool>,
     /// Standard deviation of the points off the bark.
@@ -117,6 +151,7 @@ impl Round {
         branching: &Branching,
         bark: &[Vec3],
         exponent: f64,
+        most_points: usize,
         monitor: &dyn Monitor,
     ) -> Result<Option<Self>, Cancelled> {
         let Branching { positions, parents, .. } = branching;
@@ -135,7 +170,7 @@ impl Round {
                 .map(|axis| {
                     let thick = |fork: u32| circles[fork as usize].map_or(0.0, |(circle, _)| circle.radius_m);
                     let nodes = &axis_nodes[axis.first as usize..(axis.first + axis.len) as usize];
-                    let stretch = Stretch::new(axis, nodes, branching, (bark, &by_node), thick);
+                    let stretch = Stretch::new(axis, nodes, branching, (bark, &by_node), thick, most_points);
                     stretch.circles(monitor)
                 })
                 .collect::<Result<Vec<_>, Cancelled>>()?
@@ -154,7 +189,7 @@ impl Round {
         let feet = (0..parents.len()).filter(|&n| parents[n] == NO_PARENT).map(pipe);
         let unit_m = STOUT_PER_HEIGHT * height_m(positions) / feet.fold(1.0, f64::max);
         let most_m = (0..parents.len()).map(|node| unit_m * pipe(node)).collect();
-        Ok(Some(Self { axes, axis_nodes, circles, looked, error_m, most_m }))
+        Ok(Some(Self { axes, axis_nodes, circles, nearest, looked, error_m, most_m }))
     }
 
     fn nodes(&self, axis: &Axis) -> &[u32] {
@@ -337,7 +372,8 @@ impl Round {
             }
         }
         let measured = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
-        Some(Girth { radii: radii.iter().map(|&r| r as f32).collect(), fits, measured })
+        let placed = Placed { positions: positions.clone(), parents: parents.clone(), nearest: Vec::new() };
+        Some(Girth { radii: radii.iter().map(|&r| r as f32).collect(), fits, measured, placed })
     }
 }
 
@@ -435,7 +471,7 @@ mod tests {
             branching.parents.push(if i == 0 { 15 } else { 30 + u32::from(i) });
         }
         branching.births = vec![0; branching.positions.len()];
-        let Girth { radii, fits, measured } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
+        let Girth { radii, fits, measured, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
         assert!(measured > 25, "{measured}");
         for i in 1..30 {
             let expected = radius_m(f64::from(branching.positions[i].y)) as f32;

@@ -15,12 +15,13 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::ScanError;
 use super::contract::{Graph, Ways};
+use super::cubes::Cubes;
 use super::foot::Foot;
 use super::neighbours::Neighbours;
 use super::surface::Patch;
 use super::trunk::Trunk;
-use super::{Cubes, ScanError};
 use linden_base::monitor::{Cancelled, Monitor};
 
 /// Radius by the longest way to a tip: the exponent.
@@ -66,7 +67,7 @@ pub(super) fn told(
     let on_trunk: Vec<bool> =
         graph.points.par_iter().map(|p| trunks.iter().any(|(_, trunk)| trunk.place(*p).is_some())).collect();
     let all = Neighbours::new(&graph.points, monitor)?;
-    let radii_m = radii_m(ways, foot, trunks, monitor)?;
+    let radii_m = radii_m(ways, foot, trunks.iter().map(|(_, trunk)| trunk.radius_m()), monitor)?;
     let nearness = nearness((&all, &graph.points), &radii_m, &on_trunk, detail_m, monitor)?;
     let cubes = Cubes::new(&graph.points, SURFACE_CUBE * detail_m);
     let tree = Neighbours::new(&cubes.means, monitor)?;
@@ -94,16 +95,16 @@ pub(super) fn told(
 }
 
 /// How thick wood is expected to be along the way through each point, metres.
-fn radii_m(
+pub(super) fn radii_m(
     ways: &Ways,
     foot: &Foot,
-    trunks: &[(DVec3, Trunk)],
+    trunks_m: impl Iterator<Item = f64>,
     monitor: &dyn Monitor,
 ) -> Result<Vec<f64>, Cancelled> {
     let beyond_m = ways.beyond_m();
     monitor.check()?;
     let longest_m = beyond_m.iter().copied().fold(0.0, f64::max).max(f64::MIN_POSITIVE);
-    let seen_m = trunks.iter().map(|(_, trunk)| trunk.radius_m()).fold(0.0, f64::max);
+    let seen_m = trunks_m.fold(0.0, f64::max);
     let trunk_m = if seen_m > 0.0 { seen_m } else { 0.5 * foot.radius_m };
     Ok(beyond_m.into_par_iter().map(|beyond_m| trunk_m * libm::pow(beyond_m / longest_m, TAPER)).collect())
 }

@@ -26,25 +26,27 @@
 //!
 //! | tree, scan | length | order 1 | limbs | breast diameter | volume | surface, mm |
 //! |---|---|---|---|---|---|---|
-//! | broad, 3 mm error | 0.99 | 0.97 | 13 of 13 | 0.98 | 0.98 | 5, 18 |
-//! | broad, 10 mm | 1.00 | 1.05 | 13 | 0.98 | 0.98 | 14, 40 |
-//! | broad, gaps | 0.95 | 0.97 | 13 | 0.97 | 0.97 | 5, 18 |
-//! | broad, three sensors | 0.99 | 0.99 | 13 | 0.98 | 0.96 | 6, 21 |
-//! | broad, leaves | 1.24 | 0.97 | 13 | 0.98 | 0.99 | 7, 27 |
-//! | broad, all | 1.18 | 1.01 | 13 | 0.96 | 0.95 | 9, 35 |
-//! | tall, 3 mm | 0.99 | 0.92 | 16 of 16 | 0.97 | 0.99 | 5, 18 |
-//! | tall, 10 mm | 1.04 | 1.08 | 15 | 0.97 | 0.97 | 15, 46 |
-//! | tall, gaps | 0.97 | 0.96 | 14 | 0.97 | 0.98 | 6, 18 |
-//! | tall, three sensors | 0.99 | 0.80 | 13 | 0.97 | 0.99 | 5, 18 |
+//! | broad, 3 mm error | 0.99 | 0.93 | 13 of 13 | 0.98 | 0.99 | 6, 19 |
+//! | broad, 10 mm | 1.04 | 1.06 | 13 | 0.97 | 0.96 | 14, 41 |
+//! | broad, gaps | 0.95 | 1.01 | 13 | 0.96 | 0.97 | 6, 19 |
+//! | broad, three sensors | 1.03 | 0.94 | 12 | 0.98 | 0.99 | 7, 27 |
+//! | broad, leaves | 1.33 | 0.98 | 13 | 0.98 | 0.99 | 6, 24 |
+//! | broad, all | 1.28 | 1.00 | 13 | 0.96 | 0.94 | 10, 38 |
+//! | tall, 3 mm | 0.99 | 0.95 | 15 of 16 | 0.97 | 0.99 | 6, 19 |
+//! | tall, 10 mm | 1.07 | 1.11 | 16 | 0.97 | 0.96 | 15, 47 |
+//! | tall, gaps | 0.96 | 0.92 | 15 | 0.96 | 0.98 | 6, 19 |
+//! | tall, three sensors | 1.02 | 0.95 | 14 | 0.97 | 1.00 | 7, 22 |
 //!
 //! Clumps of twigs that hide each other lose a part of their length.
 
 mod allometry;
 mod canopy;
+mod cells;
 mod circle;
 mod clean;
 mod contract;
 mod crowns;
+mod cubes;
 mod error;
 mod fit;
 mod foot;
@@ -63,11 +65,14 @@ mod stretch;
 mod surface;
 mod trees;
 mod trunk;
+mod z_order;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
-use self::contract::{Graph, Sections};
+use self::cells::Near;
+use self::contract::{Graph, LinkedTo, Sections, links_within, without};
+use self::cubes::{Cubes, thin};
 use self::foot::Foot;
 use self::neighbours::Neighbours;
 use self::trunk::Trunk;
@@ -158,9 +163,9 @@ pub enum ScanError {
 const LEAST_POINTS: usize = 8;
 
 /// Points whose nearest neighbour is looked for, for the median.
-const SPACING_SAMPLE: usize = 100_000;
+const SPACING_SAMPLE: usize = 25_000;
 
-/// The median distance of a point to its nearest neighbour at another place, over at most 100 000 points
+/// The median distance of a point to its nearest neighbour at another place, over at most 25 000 points
 /// taken evenly through the places; `None` for fewer than two.
 ///
 /// # Errors
@@ -255,15 +260,10 @@ pub fn prepare_distinct(
     let detail_m = chosen_m.unwrap_or_else(|| detail_m(spacing_m, foot.height_m));
     monitor.check()?;
     let mut cubes = Cubes::new(&bark, detail_m);
-    let mut noise_points = 0;
-    if rule.noise_filter {
-        noise_points = bark.len();
-        let is_noise = cubes.drop_noise(&mut bark, NOISE_REACH * detail_m, monitor)?;
-        if let Some(is_leaf) = &mut is_leaf {
-            retain_unmarked(is_leaf, &is_noise);
-        }
-        noise_points -= bark.len();
-    }
+    // Neighbours in space are neighbours in memory from here on.
+    cubes.order(&mut bark, is_leaf.as_mut());
+    let (nearest, noise_points) =
+        without_noise(&mut cubes, &mut bark, is_leaf.as_mut(), (rule.noise_filter, detail_m), monitor)?;
     if cubes.means.len() < LEAST_POINTS {
         return Err(ScanError::TooFew { distinct: cubes.means.len() });
     }
@@ -274,7 +274,7 @@ pub fn prepare_distinct(
     for foot in &feet {
         trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));
     }
-    let graph = Graph::new(thinned, REACH * detail_m, monitor)?;
+    let graph = Graph::linked(thinned, nearest, REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
     let nearest: Vec<Option<DVec3>> = feet
         .iter()
@@ -318,7 +318,9 @@ pub fn prepare_distinct(
     };
     let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
     let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
-    let mut sections = Sections::new(&graph, &ways, (&roots, &trunks), &leaf_nodes, SECTION * detail_m);
+    let radii_m = leaves::radii_m(&ways, foot, trunks.iter().map(Trunk::radius_m), monitor)?;
+    let mut sections =
+        Sections::new(&graph, (&ways, &radii_m), (&roots, &trunks), &leaf_nodes, SECTION * detail_m);
     sections.smooth(SMOOTHING);
     let points = sections.points(detail_m);
     Ok(Scan {
@@ -346,6 +348,27 @@ pub fn prepare_distinct(
 /// The peak with the points given: the tree for their spacing while it is built (measured).
 const BYTES_PER_POINT: u64 = 96;
 
+/// The nearest cubes of each cube within the reach of links, after cubes that hardly any points are near, and their points, were taken
+/// out if `filters` says so; how many points these were.
+fn without_noise(
+    cubes: &mut Cubes,
+    bark: &mut Vec<DVec3>,
+    is_leaf: Option<&mut Vec<bool>>,
+    (filters, detail_m): (bool, f64),
+    monitor: &dyn Monitor,
+) -> Result<(Vec<LinkedTo>, usize), Cancelled> {
+    let squared_m = (NOISE_REACH * detail_m * NOISE_REACH * detail_m) as f32;
+    let count = |near: &[Near]| {
+        let near = near.iter().filter(|near| near.squared_m() < squared_m);
+        near.map(|near| cubes.count(near.index() as usize)).sum()
+    };
+    let (nearest, near) = links_within(&cubes.means, REACH * detail_m, count, monitor)?;
+    let Some(is_noise) = cubes.noise(&near).filter(|_| filters) else { return Ok((nearest, 0)) };
+    let before = bark.len();
+    cubes.drop_marked(&is_noise, bark, is_leaf);
+    Ok((without(nearest, &is_noise), before - bark.len()))
+}
+
 /// Whether a point belongs to the ground by all feet.
 fn is_ground(feet: &[Foot], p: DVec3) -> bool {
     feet.iter().all(|foot| foot.is_ground(p))
@@ -357,14 +380,8 @@ fn retain_unmarked<T>(list: &mut Vec<T>, marks: &[bool]) {
     list.retain(|_| !marks.next().is_some_and(|&marked| marked));
 }
 
-/// Within this many details the noise filter counts points.
+/// Within this many details the noise filter counts points: no farther than links reach.
 const NOISE_REACH: f64 = 2.5;
-
-/// Fewer points within that reach, the point itself among them, are noise;
-const LEAST_NEAR: u32 = 3;
-
-/// in a dense cloud fewer than this part of the median.
-const NEAR_PART: f64 = 0.02;
 
 /// Links reach this many details far.
 const REACH: f64 = 3.0;
@@ -380,147 +397,3 @@ const INFLUENCE: f64 = 6.0;
 
 /// The suggested kill distance, in steps: twigs end that far short of their last point.
 const KILL: f64 = 1.01;
-
-/// See [`Cubes::drop_noise`].
-const MOST_NOISE: u64 = 25;
-
-/// The mean of the points in each cube of a grid, in the grid's order.
-fn thin(points: &[DVec3], cube_m: f64) -> Vec<DVec3> {
-    Cubes::new(points, cube_m).means
-}
-
-/// Points by the cubes of a grid.
-struct Cubes {
-    /// Of the points in each cube that holds any, in the grid's order.
-    means: Vec<DVec3>,
-    /// Indices of points, cube by cube.
-    members: Vec<u32>,
-    /// Where each cube's members end.
-    ends: Vec<u32>,
-}
-
-impl Cubes {
-    fn new(points: &[DVec3], cube_m: f64) -> Self {
-        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let cube = |p: DVec3| ((p - low) / cube_m).to_array().map(|x| x as u32);
-        let mut order: Vec<([u32; 3], u32)> = points.iter().map(|&p| cube(p)).zip(0..).collect();
-        order.par_sort_unstable();
-        let mean = |same: &[([u32; 3], u32)]| {
-            same.iter().map(|&(_, i)| points[i as usize]).sum::<DVec3>() / same.len() as f64
-        };
-        let mut end = 0;
-        let (means, ends) = order
-            .chunk_by(|a, b| a.0 == b.0)
-            .map(|same| {
-                end += same.len() as u32;
-                (mean(same), end)
-            })
-            .unzip();
-        Self { means, members: order.iter().map(|&(_, i)| i).collect(), ends }
-    }
-
-    /// The points in a cube.
-    fn count(&self, cube: usize) -> u32 {
-        self.ends[cube] - if cube == 0 { 0 } else { self.ends[cube - 1] }
-    }
-
-    /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean,
-    /// and their points (the others keep their order). A cloud that would lose more than one point in
-    /// [`MOST_NOISE`] is thin, not noisy, and stays as it is. Which points were noise; nothing where none was.
-    fn drop_noise(
-        &mut self,
-        points: &mut Vec<DVec3>,
-        reach_m: f64,
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<bool>, Cancelled> {
-        let tree = Neighbours::new(&self.means, monitor)?;
-        let near: Vec<u32> = self
-            .means
-            .par_iter()
-            .map(|&mean| {
-                monitor.check()?;
-                let limit = reach_m * reach_m;
-                let mut near = 0;
-                tree.search(mean, limit, |other, _| {
-                    near += self.count(other as usize);
-                    limit
-                });
-                Ok(near)
-            })
-            .collect::<Result<_, Cancelled>>()?;
-        let mut sorted = near.clone();
-        sorted.sort_unstable();
-        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0);
-        let least = LEAST_NEAR.max((NEAR_PART * f64::from(median)) as u32);
-        let lost: u64 = (0..near.len()).filter(|&c| near[c] < least).map(|c| u64::from(self.count(c))).sum();
-        if lost == 0 || lost * MOST_NOISE > points.len() as u64 {
-            return Ok(Vec::new());
-        }
-        let mut is_noise = vec![false; points.len()];
-        let mut start = 0;
-        for (&end, &near) in self.ends.iter().zip(&near) {
-            for &i in &self.members[start as usize..end as usize] {
-                is_noise[i as usize] = near < least;
-            }
-            start = end;
-        }
-        retain_unmarked(points, &is_noise);
-        // The points that stay have moved up in the list.
-        let moved = is_noise.iter().scan(0, |next, &noise| {
-            let at = *next;
-            *next += u32::from(!noise);
-            Some(at)
-        });
-        let places: Vec<u32> = moved.collect();
-        self.members.retain_mut(|i| {
-            let stays = !is_noise[*i as usize];
-            *i = places[*i as usize];
-            stays
-        });
-        let (mut start, mut stays) = (0, 0);
-        for (end, &near) in self.ends.iter_mut().zip(&near) {
-            stays += if near < least { 0 } else { *end - start };
-            start = std::mem::replace(end, stays);
-        }
-        let mut of_ends = near.iter();
-        self.ends.retain(|_| of_ends.next().is_some_and(|&near| near >= least));
-        let mut near = near.iter();
-        self.means.retain(|_| near.next().is_some_and(|&near| near >= least));
-        Ok(is_noise)
-    }
-
-    /// For each of some nodes whether more than half of its points are so; `nodes` are means of cubes in their order, some of
-    /// which may be missing.
-    fn most(&self, nodes: &[DVec3], is_so: &[bool]) -> Vec<bool> {
-        let mut left = nodes.iter().peekable();
-        let mut start = 0;
-        let mut of_nodes = Vec::with_capacity(nodes.len());
-        for (mean, &end) in self.means.iter().zip(&self.ends) {
-            if left.next_if(|node| *node == mean).is_some() {
-                let members = &self.members[start as usize..end as usize];
-                let so = members.iter().filter(|&&i| is_so[i as usize]).count();
-                of_nodes.push(2 * so > members.len());
-            }
-            start = end;
-        }
-        of_nodes
-    }
-
-    /// Takes the points of cubes that are leaves out of a list; the others keep their order. `nodes` are means of cubes in
-    /// their order, some of which may be missing; what those stand for goes as well.
-    fn keep_wood(&self, points: &mut Vec<DVec3>, nodes: &[DVec3], is_leaf: &[bool]) {
-        let mut is_wood = vec![false; points.len()];
-        let mut left = nodes.iter().zip(is_leaf).peekable();
-        let mut start = 0;
-        for (mean, &end) in self.means.iter().zip(&self.ends) {
-            if let Some((_, leaf)) = left.next_if(|(node, _)| *node == mean) {
-                for &i in &self.members[start as usize..end as usize] {
-                    is_wood[i as usize] = !leaf;
-                }
-            }
-            start = end;
-        }
-        let mut marks = is_wood.iter();
-        points.retain(|_| marks.next().is_some_and(|&wood| wood));
-    }
-}

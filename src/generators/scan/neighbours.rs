@@ -1,72 +1,76 @@
-//! Nearest neighbours among fixed points: a balanced k-d tree (Bentley 1975).
+//! Nearest neighbours among fixed points: a tree of boxes over their Z-order (Morton 1966; Lauterbach et al. 2009, *Fast
+//! BVH construction on GPUs*). It takes one sort of whole numbers to build, and neighbours in space are neighbours in memory.
 
 use glam::DVec3;
+use rayon::prelude::*;
 
+use super::z_order;
 use linden_base::monitor::{Cancelled, Monitor};
 
-/// Subtrees of this many points are searched one by one.
-const LEAF: usize = 12;
+/// Boxes of this many points are searched one by one.
+const LEAF: usize = 16;
 
-/// Ranges that are sorted without a look at the monitor: below a millisecond.
+/// Points that are numbered or boxed without a look at the monitor: below a millisecond.
 const UNWATCHED: usize = 1 << 14;
+
+/// How often points that share a number are numbered anew: what is then left lies within 2⁻⁶³ of the cloud's extent.
+const NUMBERINGS: usize = 3;
+
+/// Deeper than any search goes: a level for each bit of each numbering.
+const DEPTH: usize = NUMBERINGS * 64 + 2;
 
 /// The label of points of several kinds.
 const MIXED: u32 = u32::MAX;
 
-/// A k-d tree; the middle of each range is its splitting point.
+/// A search tree over points.
 pub(super) struct Neighbours {
     points: Vec<DVec3>,
     /// Each point's index in what the tree was built from.
     indices: Vec<u32>,
-    /// The axis that the range around each middle is split along.
-    axes: Vec<u8>,
+    /// Each box before those in it; the first half's follows at once.
+    boxes: Vec<Box3>,
     /// Distances that were computed.
     #[cfg(test)]
     looks: std::sync::atomic::AtomicU64,
 }
 
-/// Labels of points, and of all ranges of the tree, so that a search passes over ranges as a whole.
-pub(super) struct Labels<'a> {
-    of_points: &'a [u32],
-    /// By the range's middle, or its first slot where it is a leaf.
-    of_ranges: Vec<Range>,
-}
-
-/// What is known of a range.
+/// A box around points that follow each other.
 #[derive(Clone, Copy)]
-struct Range {
-    /// The label that all its points have, [`MIXED`] where they differ.
-    label: u32,
-    /// The box around them.
+struct Box3 {
     low: DVec3,
     high: DVec3,
+    first: u32,
+    last: u32,
+    /// The box of the second half, 0 for one without halves.
+    second: u32,
 }
 
-impl Range {
-    fn union(self, other: Self) -> Self {
-        Self {
-            label: if self.label == other.label { self.label } else { MIXED },
-            low: self.low.min(other.low),
-            high: self.high.max(other.high),
-        }
-    }
-
+impl Box3 {
     /// Squared distance of a place from the box.
     fn squared(&self, q: DVec3) -> f64 {
         (self.low - q).max(q - self.high).max(DVec3::ZERO).length_squared()
     }
 }
 
+/// Labels of points, and of all boxes of the tree, so that a search passes over boxes as a whole.
+pub(super) struct Labels<'a> {
+    of_points: &'a [u32],
+    /// The label that all points of a box have, [`MIXED`] where they differ.
+    of_boxes: Vec<u32>,
+}
+
 impl Neighbours {
     pub fn new(points: &[DVec3], monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let mut entries: Vec<(DVec3, u32)> = points.iter().copied().zip(0..).collect();
-        let mut axes = vec![0; points.len()];
-        split(&mut entries, &mut axes, monitor)?;
-        let (points, indices) = entries.into_iter().unzip();
+        let mut order: Vec<(u64, u32)> = Vec::with_capacity(points.len());
+        order.extend((0..points.len() as u32).map(|index| (0, index)));
+        let mut boxes = Vec::with_capacity(points.len() / 2);
+        if !points.is_empty() {
+            arrange(points, &mut order, (0, 0), &mut boxes, monitor)?;
+        }
         Ok(Self {
-            points,
-            indices,
-            axes,
+            points: order.iter().map(|&(_, index)| points[index as usize]).collect(),
+            indices: order.iter().map(|&(_, index)| index).collect(),
+            boxes,
             #[cfg(test)]
             looks: std::sync::atomic::AtomicU64::new(0),
         })
@@ -81,30 +85,18 @@ impl Neighbours {
     /// The labels by which [`Neighbours::search_other`] passes over many points at once; `of_points` has a
     /// label below [`MIXED`] for each point.
     pub fn labels<'a>(&self, of_points: &'a [u32]) -> Labels<'a> {
-        let nothing = Range { label: MIXED, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
-        let mut of_ranges = vec![nothing; self.points.len()];
-        self.label(0, self.points.len(), of_points, &mut of_ranges);
-        Labels { of_points, of_ranges }
-    }
-
-    /// The range between two slots and those in it; `None` without points.
-    fn label(&self, low: usize, high: usize, of_points: &[u32], of_ranges: &mut [Range]) -> Option<Range> {
-        let alone = |slot: usize| {
-            let (label, at) = (of_points[self.indices[slot] as usize], self.points[slot]);
-            Range { label, low: at, high: at }
-        };
-        let (slot, range) = if high - low <= LEAF {
-            (low, (low..high).map(alone).reduce(Range::union))
-        } else {
-            let middle = low.midpoint(high);
-            let below = self.label(low, middle, of_points, of_ranges);
-            let above = self.label(middle + 1, high, of_points, of_ranges);
-            (middle, [below, above].into_iter().flatten().chain([alone(middle)]).reduce(Range::union))
-        };
-        if let Some(range) = range {
-            of_ranges[slot] = range;
+        let mut of_boxes = vec![MIXED; self.boxes.len()];
+        for (at, found) in self.boxes.iter().enumerate().rev() {
+            let of_both = |a: u32, b: u32| if a == b { a } else { MIXED };
+            of_boxes[at] = if found.second == 0 {
+                let slots = found.first as usize..found.last as usize;
+                let labels = self.indices[slots].iter().map(|&index| of_points[index as usize]);
+                labels.reduce(of_both).unwrap_or(MIXED)
+            } else {
+                of_both(of_boxes[at + 1], of_boxes[found.second as usize])
+            };
         }
-        range
+        Labels { of_points, of_boxes }
     }
 
     /// As [`Neighbours::search`], of the points with another label than `label` alone.
@@ -115,64 +107,52 @@ impl Neighbours {
         (label, labels): (u32, &Labels),
         mut see: impl FnMut(u32, f64) -> f64,
     ) {
-        let mut bound = bound;
-        let mut see = |index: u32, squared: f64, bound: f64| {
+        let see = |index: u32, squared: f64, bound: f64| {
             if labels.of_points[index as usize] == label { bound } else { see(index, squared) }
         };
-        let is_passed = |slot: usize, bound: f64| {
-            let range = &labels.of_ranges[slot];
-            range.label == label || range.squared(q) >= bound
-        };
-        self.visit(q, (0, self.points.len()), &mut bound, &is_passed, &mut see);
+        self.visit(q, bound, |at| labels.of_boxes[at] == label, see);
     }
 
     /// Shows `see` every point that may lie nearer to `q` than the square root of `bound`, with its
     /// squared distance; `see` returns the bound from then on.
     pub fn search(&self, q: DVec3, bound: f64, mut see: impl FnMut(u32, f64) -> f64) {
-        let mut bound = bound;
-        let mut see = |index: u32, squared: f64, _: f64| see(index, squared);
-        self.visit(q, (0, self.points.len()), &mut bound, &|_, _| false, &mut see);
+        self.visit(q, bound, |_| false, |index, squared, _| see(index, squared));
     }
 
     fn visit(
         &self,
         q: DVec3,
-        (low, high): (usize, usize),
-        bound: &mut f64,
-        is_passed: &impl Fn(usize, f64) -> bool,
-        see: &mut impl FnMut(u32, f64, f64) -> f64,
+        mut bound: f64,
+        is_passed: impl Fn(usize) -> bool,
+        mut see: impl FnMut(u32, f64, f64) -> f64,
     ) {
-        let mut look = |slot: usize, bound: &mut f64| {
-            #[cfg(test)]
-            self.looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            let squared = self.points[slot].distance_squared(q);
-            if squared < *bound {
-                *bound = see(self.indices[slot], squared, *bound);
+        let Some(root) = self.boxes.first() else { return };
+        let mut stack = [(0_u32, 0.0_f64); DEPTH];
+        stack[0].1 = root.squared(q);
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let (at, away) = stack[depth];
+            if away >= bound || is_passed(at as usize) {
+                continue;
             }
-        };
-        if high - low <= LEAF {
-            if low < high && !is_passed(low, *bound) {
-                for slot in low..high {
-                    look(slot, bound);
+            let found = &self.boxes[at as usize];
+            if found.second == 0 {
+                for slot in found.first as usize..found.last as usize {
+                    #[cfg(test)]
+                    self.looks.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+                    let squared = self.points[slot].distance_squared(q);
+                    if squared < bound {
+                        bound = see(self.indices[slot], squared, bound);
+                    }
                 }
+                continue;
             }
-            return;
-        }
-        let middle = low.midpoint(high);
-        if is_passed(middle, *bound) {
-            return;
-        }
-        look(middle, bound);
-        let axis = usize::from(self.axes[middle]);
-        let across = q[axis] - self.points[middle][axis];
-        let (near, far) = if across < 0.0 {
-            ((low, middle), (middle + 1, high))
-        } else {
-            ((middle + 1, high), (low, middle))
-        };
-        self.visit(q, near, bound, is_passed, see);
-        if across * across < *bound {
-            self.visit(q, far, bound, is_passed, see);
+            let [a, b] = [at + 1, found.second].map(|i| (i, self.boxes[i as usize].squared(q)));
+            let (near, far) = if a.1 <= b.1 { (a, b) } else { (b, a) };
+            stack[depth] = far;
+            stack[depth + 1] = near;
+            depth += 2;
         }
     }
 
@@ -212,27 +192,76 @@ impl Neighbours {
     }
 }
 
-fn split(entries: &mut [(DVec3, u32)], axes: &mut [u8], monitor: &dyn Monitor) -> Result<(), Cancelled> {
-    if entries.len() <= LEAF {
+/// Numbers points in their Z-order, sorts them by that, and boxes them. `first` is where they stand in the whole,
+/// `numbered` how often they were numbered.
+fn arrange(
+    points: &[DVec3],
+    order: &mut [(u64, u32)],
+    (first, numbered): (usize, usize),
+    boxes: &mut Vec<Box3>,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    let at = |entry: &(u64, u32)| points[entry.1 as usize];
+    let low = order.iter().map(at).fold(DVec3::INFINITY, DVec3::min);
+    let high = order.iter().map(at).fold(DVec3::NEG_INFINITY, DVec3::max);
+    let per_m = z_order::MOST / (high - low).max_element();
+    if !(per_m.is_finite() && order.len() > LEAF && numbered < NUMBERINGS) {
+        // Few, or all in one place (or so near each other that numbers do not part them).
+        boxes.push(Box3 { low, high, first: first as u32, last: (first + order.len()) as u32, second: 0 });
         return Ok(());
     }
-    if entries.len() > UNWATCHED {
+    order.par_chunks_mut(UNWATCHED).try_for_each(|part| {
+        monitor.check()?;
+        for entry in part {
+            entry.0 = z_order::number((points[entry.1 as usize] - low) * per_m);
+        }
+        Ok(())
+    })?;
+    z_order::sort(order);
+    halve(points, order, (first, numbered + 1), boxes, monitor)
+}
+
+/// Boxes sorted points, and both halves of them: those with and without the first bit that not all have.
+fn halve(
+    points: &[DVec3],
+    order: &mut [(u64, u32)],
+    (first, numbered): (usize, usize),
+    boxes: &mut Vec<Box3>,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    let count = order.len();
+    if count > UNWATCHED {
         monitor.check()?;
     }
-    let low = entries.iter().fold(DVec3::INFINITY, |low, entry| low.min(entry.0));
-    let high = entries.iter().fold(DVec3::NEG_INFINITY, |high, entry| high.max(entry.0));
-    let size = (high - low).to_array();
-    let axis = (0..3).max_by(|&a, &b| size[a].total_cmp(&size[b])).unwrap_or(0);
-    let middle = 0_usize.midpoint(entries.len());
-    entries.select_nth_unstable_by(middle, |a, b| a.0[axis].total_cmp(&b.0[axis]).then(a.1.cmp(&b.1)));
-    axes[middle] = axis as u8;
-    let (entries_low, entries_high) = entries.split_at_mut(middle);
-    let (axes_low, axes_high) = axes.split_at_mut(middle);
-    let (low, high) = rayon::join(
-        || split(entries_low, axes_low, monitor),
-        || split(&mut entries_high[1..], &mut axes_high[1..], monitor),
-    );
-    low.and(high)
+    let whole = boxes.len();
+    if count <= LEAF {
+        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &(_, index) in &*order {
+            (low, high) = (low.min(points[index as usize]), high.max(points[index as usize]));
+        }
+        boxes.push(Box3 { low, high, first: first as u32, last: (first + count) as u32, second: 0 });
+        return Ok(());
+    }
+    let differing = order[0].0 ^ order[count - 1].0;
+    if differing == 0 {
+        return arrange(points, order, (first, numbered), boxes, monitor);
+    }
+    let bit = 1 << (u64::BITS - 1 - differing.leading_zeros());
+    let middle = order.partition_point(|entry| entry.0 & bit == 0);
+    boxes.push(Box3 { low: DVec3::ZERO, high: DVec3::ZERO, first: first as u32, last: 0, second: 0 });
+    let (below, above) = order.split_at_mut(middle);
+    halve(points, below, (first, numbered), boxes, monitor)?;
+    let second = boxes.len();
+    halve(points, above, (first + middle, numbered), boxes, monitor)?;
+    let [a, b] = [boxes[whole + 1], boxes[second]];
+    boxes[whole] = Box3 {
+        low: a.low.min(b.low),
+        high: a.high.max(b.high),
+        last: (first + count) as u32,
+        second: second as u32,
+        ..boxes[whole]
+    };
+    Ok(())
 }
 
 #[cfg(test)]

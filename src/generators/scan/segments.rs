@@ -12,6 +12,12 @@ const LEAF: usize = 4;
 /// Points that one thread takes at a time; below a millisecond.
 const CHUNK: usize = 1024;
 
+/// Points that are looked at together,
+const BLOCK: usize = 8;
+
+/// where no more segments than this may be the nearest of any of them.
+const FEW: usize = 64;
+
 /// Deeper than any tree over 2³² segments that is halved at every level.
 const DEPTH: usize = 64;
 
@@ -87,17 +93,88 @@ impl Segments {
             .par_chunks(CHUNK)
             .map(|points| {
                 monitor.check()?;
-                // Neighbours in a list are mostly neighbours in space: the last answer is a good first guess.
-                let mut guess = 0;
-                let mut one = |p: &Vec3| {
-                    let (slot, nearest) = self.search(p.as_dvec3(), guess);
-                    guess = slot;
-                    nearest
-                };
-                Ok(points.iter().map(&mut one).collect())
+                let mut found = Vec::with_capacity(points.len());
+                let (mut guess, mut near) = (0, Vec::new());
+                for block in points.chunks(BLOCK) {
+                    self.nearest_of_block(block, &mut guess, &mut near, &mut found);
+                }
+                Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
         Ok(parts.concat())
+    }
+
+    /// The nearest of each of some points that follow each other in a list: they are mostly neighbours in space, and so are
+    /// the segments that they may be nearest to.
+    fn nearest_of_block(
+        &self,
+        block: &[Vec3],
+        guess: &mut usize,
+        near: &mut Vec<u32>,
+        found: &mut Vec<Nearest>,
+    ) {
+        let low = block.iter().copied().fold(Vec3::INFINITY, Vec3::min);
+        let high = block.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);
+        let (middle, half_m) = (low.midpoint(high).as_dvec3(), 0.5 * f64::from(low.distance(high)));
+        // From none of them the nearest is farther than from the middle by more than the half; seen from the middle that is
+        // as much farther again. Single precision has rounded the middle.
+        let play_m = 2.0 * half_m + 4.0 * f64::from(f32::EPSILON) * middle.length();
+        let nearer_than = |squared: f64| (squared.sqrt() + play_m) * SLACK;
+        let (of_guess, _) = self.segments[*guess].nearest(middle);
+        let is_few = self.within(middle, nearer_than(of_guess), near) || {
+            // After a leap in the list.
+            let (slot, of_middle) = self.search(middle, *guess);
+            *guess = slot;
+            self.within(middle, (of_middle.distance_m + play_m) * SLACK, near)
+        };
+        if !is_few {
+            // Points far apart from each other.
+            for p in block {
+                let (slot, nearest) = self.search(p.as_dvec3(), *guess);
+                *guess = slot;
+                found.push(nearest);
+            }
+            return;
+        }
+        for p in block {
+            let mut best = (f64::INFINITY, u32::MAX, 0.0);
+            for &slot in &*near {
+                let segment = &self.segments[slot as usize];
+                let (squared, t) = segment.nearest(p.as_dvec3());
+                if (squared, segment.node) < (best.0, best.1) {
+                    best = (squared, segment.node, t);
+                    *guess = slot as usize;
+                }
+            }
+            found.push(Nearest { node: best.1, t: best.2, distance_m: best.0.sqrt() });
+        }
+    }
+
+    /// The slots of all segments that may be within `reach_m` of a place; whether these are few.
+    fn within(&self, q: DVec3, reach_m: f64, near: &mut Vec<u32>) -> bool {
+        near.clear();
+        let limit = reach_m * reach_m;
+        let mut stack = [0_u32; DEPTH];
+        let mut depth = 1;
+        while depth > 0 {
+            depth -= 1;
+            let index = stack[depth];
+            let node = &self.boxes[index as usize];
+            if node.squared(q) > limit {
+                continue;
+            }
+            if node.second == 0 {
+                near.extend(node.first_segment..node.last_segment);
+                if near.len() > FEW {
+                    return false;
+                }
+                continue;
+            }
+            stack[depth] = node.second;
+            stack[depth + 1] = index + 1;
+            depth += 2;
+        }
+        true
     }
 
     /// The slot of the nearest segment, and what it is; `guess` is any slot.

@@ -10,9 +10,6 @@ use super::segments::Nearest;
 /// Points with which a stretch is long enough.
 const ENOUGH_POINTS: usize = 80;
 
-/// Points of a stretch that are looked at.
-const MOST_POINTS: usize = 240;
-
 /// How far a stretch reaches to either side of its node: at least, and at most while points are few.
 const REACH_M: (f64, f64) = (0.04, 0.3);
 
@@ -75,6 +72,8 @@ pub struct Stretch<'a> {
     inside: usize,
     bark: &'a [Vec3],
     by_node: &'a ByNode,
+    /// Points around a node that are looked at.
+    most_points: usize,
 }
 
 impl<'a> Stretch<'a> {
@@ -84,6 +83,7 @@ impl<'a> Stretch<'a> {
         branching: &Branching,
         (bark, by_node): (&'a [Vec3], &'a ByNode),
         thick_m: impl Fn(u32) -> f64,
+        most_points: usize,
     ) -> Self {
         let place = |n: u32| branching.positions[n as usize].as_dvec3();
         let at: Vec<DVec3> = nodes.iter().map(|&n| place(n)).collect();
@@ -99,7 +99,7 @@ impl<'a> Stretch<'a> {
             NO_PARENT => 0,
             fork => at.iter().take_while(|p| p.distance(base) < BASE * thick_m(fork)).count(),
         };
-        Self { nodes, at, from, along_m, inside, bark, by_node }
+        Self { nodes, at, from, along_m, inside, bark, by_node, most_points }
     }
 
     /// The nodes whose segments reach within `reach_m` of the `i`-th, along the axis.
@@ -161,10 +161,13 @@ impl<'a> Stretch<'a> {
         let (u, v) = self.direction(i, reach_m)?.any_orthonormal_pair();
         let range = self.around(i, reach_m);
         let count: usize = range.clone().map(|k| self.by_node.of(self.nodes[k]).len()).sum();
-        let stride = count.div_ceil(MOST_POINTS).max(1);
+        let stride = count.div_ceil(self.most_points).max(1);
         let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
         let mut n = 0;
         for k in range {
+            if self.by_node.of(self.nodes[k]).is_empty() {
+                continue;
+            }
             // Each point is seen along its part of the axis, which may bend, from the axis there.
             let Some(along) = self.direction(k, 0.5 * reach_m) else { continue };
             for &p in self.by_node.of(self.nodes[k]) {

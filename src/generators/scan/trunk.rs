@@ -37,6 +37,9 @@ const SURE: f64 = 0.1;
 /// Without a circle over this part of the height the trunk has ended.
 const LOST: f64 = 0.15;
 
+/// What is nearer to the axis than so many radii, and some play, is on the trunk.
+const NEAR_BARK: f64 = 1.1;
+
 /// A trunk has at least so many circles.
 const LEAST_RINGS: usize = 5;
 
@@ -57,6 +60,9 @@ pub(super) struct Trunk {
     along_m: Vec<f64>,
     /// How far off the bark a point may lie and belong to it.
     play_m: f64,
+    /// The box that all points on it lie in.
+    low: DVec3,
+    high: DVec3,
 }
 
 impl Trunk {
@@ -96,7 +102,12 @@ impl Trunk {
         for pair in rings.windows(2) {
             along_m.push(along_m[along_m.len() - 1] + pair[0].at.distance(pair[1].at));
         }
-        Self { rings, along_m, play_m: (3.0 * sd_m).max(1.5 * spacing_m) }
+        let play_m = (3.0 * sd_m).max(1.5 * spacing_m);
+        let thickest_m = rings.iter().map(|ring| ring.radius_m).fold(0.0, f64::max);
+        let reach_m = DVec3::splat(NEAR_BARK * thickest_m + play_m);
+        let low = rings.iter().map(|ring| ring.at).fold(DVec3::INFINITY, DVec3::min) - reach_m;
+        let high = rings.iter().map(|ring| ring.at).fold(DVec3::NEG_INFINITY, DVec3::max) + reach_m;
+        Self { rings, along_m, play_m, low, high }
     }
 
     /// In the middle of the stem, where it leaves the ground.
@@ -119,6 +130,9 @@ impl Trunk {
     /// The ring that a point on the bark is nearest to, and how far from the foot along the axis; `None` for
     /// points off the trunk.
     pub fn place(&self, p: DVec3) -> Option<(usize, f64)> {
+        if p.cmplt(self.low).any() || p.cmpgt(self.high).any() {
+            return None;
+        }
         let last = self.rings.len() - 1;
         // Rings rise, but for stems that lie: those near in height are looked at first.
         let near = self.rings.partition_point(|ring| ring.at.y < p.y);
@@ -137,7 +151,7 @@ impl Trunk {
         let radius_m = low.radius_m + (high.radius_m - low.radius_m) * t;
         // Beyond the last ring the stem is others' business.
         let is_beyond = i + 1 == last && t >= 1.0;
-        let is_on = !is_beyond && away_m <= 1.1 * radius_m + self.play_m;
+        let is_on = !is_beyond && away_m <= NEAR_BARK * radius_m + self.play_m;
         is_on.then(|| {
             let along_m = self.along_m[i] + t * (self.along_m[i + 1] - self.along_m[i]);
             (if t < 0.5 { i } else { i + 1 }, along_m)

@@ -21,7 +21,8 @@ use rayon::prelude::*;
 use self::boles::Bole;
 use self::ground::Ground;
 use crate::contract::{Cost, Graph, Start};
-use crate::{Cubes, ScanError, likely_scale, spacing_m};
+use crate::cubes::Cubes;
+use crate::{ScanError, likely_scale, spacing_m};
 
 /// How the points of a plot are to be taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
