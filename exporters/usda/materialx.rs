@@ -126,7 +126,8 @@ pub(super) fn network<'f>(
     if let Some(file) = passing {
         node("Mtlx_Passing", "ND_image_color4", &image(file, "raw"), "color4f");
         let picture = format!("color4f inputs:in.connect = {}", from("Mtlx_Passing"));
-        node("Mtlx_Passes", "ND_extract_color4", &[picture, "int inputs:index = 3".to_owned()], "float");
+        // The first channel is there in gray pictures, too.
+        node("Mtlx_Passes", "ND_extract_color4", &[picture, "int inputs:index = 0".to_owned()], "float");
         let share = [
             format!("float inputs:in1.connect = {}", from("Mtlx_Passes")),
             format!("float inputs:in2 = {}", translucency.share),

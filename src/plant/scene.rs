@@ -95,8 +95,9 @@ pub struct Material {
     pub wrap: Wrap,
     /// What passes through it: foliage. `None`: nothing.
     pub translucency: Option<Translucency>,
-    /// How much of that passes where, in alpha: all of it through a single leaf, less where several lie one behind
-    /// another, nothing through wood. White, as large as the base colour picture. `None`: all of it everywhere.
+    /// How much of that passes where, the same in each channel (glTF asks for alpha, others read the first): all of it
+    /// through a single leaf, less where several lie one behind another, nothing through wood. As large as the base colour
+    /// picture. `None`: all of it everywhere.
     pub passing_picture: Option<Arc<Picture>>,
 }
 

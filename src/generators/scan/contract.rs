@@ -28,7 +28,7 @@ const LINKS: usize = 12;
 
 /// Points of one section are joined by links no longer than the wood is thick there, as far as its way beyond lets expect:
 /// at least this part of the reach. Twigs that grow side by side are not tied together.
-const JOINED: f64 = 0.55;
+const JOINED: f64 = 0.65;
 
 /// The weight of a centre that smoothing leaves where it is.
 const FIXED: f64 = 1e9;

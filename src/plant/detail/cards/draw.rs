@@ -484,27 +484,38 @@ fn shelves(sights: &[Sight], order: &[usize], scale: f32, size_px: u32) -> Optio
 mod tests {
     use super::*;
 
-    /// A piece of one leaf, a square of some tilt from level, turned about the upright.
-    fn leaf(tilt: f32) -> (Model, Frame) {
-        let turn = glam::Quat::from_rotation_y(0.6) * glam::Quat::from_rotation_x(tilt);
-        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+    /// A piece of many leaves, squares that are tilted from level by about so much, all ways round.
+    fn leaves(tilt: f32) -> (Model, Frame) {
         let frame = Frame { middle: Vec3::ZERO, heading: Vec3::Z, up: Vec3::Y, radius_m: 1.0 };
-        let positions = corners.map(|(x, z)| frame.local(turn * Vec3::new(x, 0.0, z))).to_vec();
-        let mesh = Mesh { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Mesh::default() };
+        let mut mesh = Mesh::default();
+        for i in 0..300 {
+            let key = linden_base::random::Key::new(5).child(i);
+            let turn = glam::Quat::from_rotation_y(key.child(0).between(0.0, 6.3) as f32)
+                * glam::Quat::from_rotation_x(tilt * key.child(1).between(0.8, 1.2) as f32);
+            let first = mesh.positions.len() as u32;
+            let at = key.child(2).in_ball().as_vec3();
+            for (x, z) in [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)] {
+                mesh.positions.push(frame.local(at + turn * Vec3::new(x, 0.0, z)));
+            }
+            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
         (Model { parts: vec![(WOOD, Mesh::default()), (1, mesh)], shade_share: 0.0 }, frame)
     }
 
     #[test]
     fn leaves_that_lie_level_are_drawn_larger_as_upright_planes_show_less_of_them() {
-        let shown = |tilt: f32| {
-            let (model, frame) = leaf(tilt);
+        let scale = |tilt: f32| {
+            let (model, frame) = leaves(tilt);
             let (cards, leaves) = leaf_areas(&model, &frame);
-            cards / leaves
+            leaf_scale(cards, leaves)
         };
-        // An upright leaf on one of the planes that it is seen on, and beside it none of it on the other.
-        let (upright, sloping, level) = (shown(std::f32::consts::FRAC_PI_2), shown(0.8), shown(0.25));
-        assert!(upright > 1.0 && upright > sloping && sloping > level, "{upright} {sloping} {level}");
-        assert_eq!(leaf_scale(1.2, 1.0), 1.0);
+        // On two planes leaves that are turned all ways show 4/π of what they show to a look.
+        let (upright, level) = (leaves(std::f32::consts::FRAC_PI_2), leaves(0.05));
+        let (cards, shown) = leaf_areas(&upright.0, &upright.1);
+        assert!((cards / shown - 4.0 / std::f64::consts::PI).abs() < 0.05, "{}", cards / shown);
+        let (cards, shown) = leaf_areas(&level.0, &level.1);
+        assert!(cards / shown < 0.6, "{}", cards / shown);
+        assert!(scale(1.5) == 1.0 && scale(0.05) > 1.3);
         assert!((leaf_scale(0.75, 1.0) - libm::sqrtf(1.06 / 0.75)).abs() < 1e-6);
         assert_eq!((leaf_scale(0.01, 1.0), leaf_scale(0.0, 0.0)), (1.35, 1.0));
     }

@@ -138,7 +138,7 @@ impl Pile {
         let color: Vec<[u8; 4]> = colors.values.par_iter().zip(alpha).map(colored).collect();
         let normal: Vec<[u8; 4]> = normals.values.par_iter().map(normal).collect();
         let picture = |pixels: Vec<[u8; 4]>| Picture::new(size.x, size.y, pixels.into_flattened());
-        let passing = passing.values.iter().map(|seen| [255, 255, 255, code(seen.x)]).collect();
+        let passing = passing.values.iter().map(|seen| [code(seen.x); 4]).collect();
         Ok(Finished { color: picture(color), normal: picture(normal), passing: picture(passing) })
     }
 }
