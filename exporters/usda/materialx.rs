@@ -10,7 +10,7 @@
 use std::sync::Arc;
 
 use linden_pipeline::picture::Picture;
-use linden_pipeline::scene::{Material, Wrap};
+use linden_pipeline::scene::{Material, Translucency, Wrap};
 
 use super::syntax::{beside, tuple};
 
@@ -40,28 +40,9 @@ pub(super) fn network<'f>(
     let normal = file(material.normal_picture.as_ref());
     let passing = file(material.passing_picture.as_ref());
     let from = |shader: &str| format!("<{path}/{shader}.outputs:out>");
-    let tinted = [0, 1, 2].map(|i| material.base_color[i] * translucency.tint[i]);
-    let (base, through) = match color {
-        Some(_) => (
-            format!("inputs:base_color.connect = {}", from("Mtlx_Rgb")),
-            format!("inputs:subsurface_color.connect = {}", from("Mtlx_Through")),
-        ),
-        None => (
-            format!("inputs:base_color = {}", tuple(material.base_color)),
-            format!("inputs:subsurface_color = {}", tuple(tinted)),
-        ),
-    };
     let cut = material.cutout.filter(|_| color.is_some());
-    let opacity = cut
-        .map(|_| format!("color3f inputs:opacity.connect = {}\n        ", from("Mtlx_Opacity")))
-        .unwrap_or_default();
-    let bump = normal
-        .map(|_| format!("float3 inputs:normal.connect = {}\n        ", from("Mtlx_Bump")))
-        .unwrap_or_default();
-    let subsurface = match passing {
-        Some(_) => format!("inputs:subsurface.connect = {}", from("Mtlx_Share")),
-        None => format!("inputs:subsurface = {}", translucency.share),
-    };
+    let [base, through, opacity, bump, subsurface] =
+        surface_inputs(material, translucency, [color, normal, passing].map(|file| file.is_some()), from);
     let mut shaders = format!(
         r#"
     def Shader "Mtlx_Surface"
@@ -145,11 +126,38 @@ pub(super) fn network<'f>(
     })
 }
 
+/// What the surface shader gets: `inputs:…` of its colour, of what passes, of cuts, of normals and of the share that passes;
+/// empty without. Told of which of these there are pictures: of colours, normals and what passes.
+fn surface_inputs(
+    material: &Material,
+    translucency: Translucency,
+    [has_color, has_normal, has_passing]: [bool; 3],
+    from: impl Fn(&str) -> String,
+) -> [String; 5] {
+    let tinted = [0, 1, 2].map(|i| material.base_color[i] * translucency.tint[i]);
+    let either = |is_pictured: bool, input: &str, node: &str, value: String| {
+        if is_pictured {
+            format!("inputs:{input}.connect = {}", from(node))
+        } else {
+            format!("inputs:{input} = {value}")
+        }
+    };
+    let line = |is_there: bool, input: &str, node: &str| {
+        if is_there { format!("{input}.connect = {}\n        ", from(node)) } else { String::new() }
+    };
+    let is_cut = material.cutout.is_some() && has_color;
+    [
+        either(has_color, "base_color", "Mtlx_Rgb", tuple(material.base_color)),
+        either(has_color, "subsurface_color", "Mtlx_Through", tuple(tinted)),
+        line(is_cut, "color3f inputs:opacity", "Mtlx_Opacity"),
+        line(has_normal, "float3 inputs:normal", "Mtlx_Bump"),
+        either(has_passing, "subsurface", "Mtlx_Share", translucency.share.to_string()),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::{BTreeMap, BTreeSet};
-
-    use linden_pipeline::scene::Translucency;
 
     use super::*;
 

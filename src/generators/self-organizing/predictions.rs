@@ -419,7 +419,7 @@ fn branches_that_sank_rise_again_thin_ones_more_than_thick_ones() {
         [[2, 8], [60, 100_000]].map(|[least, most]| {
             let limbs = (0..nodes.len()).filter(|&node| nodes.orders[node] > 0);
             let limbs = limbs.filter(|&node| (least..most).contains(&pipes[node]));
-            let inclination = |rise: f32| f64::from(rise.clamp(-1.0, 1.0)).acos();
+            let inclination = |rise: f32| libm::acos(f64::from(rise.clamp(-1.0, 1.0)));
             let away: Vec<f64> = limbs
                 .map(|node| inclination(nodes.directions[node].y) - inclination(nodes.rises[node]))
                 .collect();

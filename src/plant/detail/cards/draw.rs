@@ -110,27 +110,7 @@ pub(super) fn draw<'a>(
         ..wardrobe.twig_bark().clone()
     }];
     let models: Vec<(&Pieces, u32, &Frame)> = models.collect();
-    let (mut drawn, mut sights) = (Vec::new(), Vec::new());
-    for level in models.chunk_by(|(a, ..), (b, ..)| std::ptr::eq(*a, *b)) {
-        let mut build = |scale: f32| {
-            let build = |&(level, piece, frame): &(&Pieces, u32, &Frame)| {
-                monitor.check()?;
-                model(level, piece, frame, scale, specimen, body, wardrobe, &mut materials, monitor)
-            };
-            level.iter().map(build).collect::<Result<Vec<Model>, DetailError>>()
-        };
-        let mut built = build(1.0)?;
-        let shown = built.iter().zip(level).map(|(model, (.., frame))| leaf_areas(model, frame));
-        let (cards, leaves) = shown.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
-        let scale = leaf_scale(cards, leaves);
-        if scale > 1.0 {
-            built = build(scale)?;
-        }
-        for (model, (.., frame)) in built.into_iter().zip(level) {
-            sights.extend(seen(drawn.len(), &model, frame));
-            drawn.push(model);
-        }
-    }
+    let (drawn, sights) = built(&models, specimen, body, wardrobe, &mut materials, monitor)?;
     let sheet = Sheet::new(&sights, size_px);
     let size = Pixels::new(size_px, size_px);
     // Of the cells that are drawn at once, samples and what becomes of them.
@@ -209,6 +189,39 @@ pub(super) fn draw<'a>(
         passing: translucency.map(|_| passing),
     };
     Ok(DrawnCards { meshes, cover })
+}
+
+/// The pieces of some levels and what is drawn of each, leaves as large as [`leaf_scale`] says of their level.
+fn built(
+    models: &[(&Pieces, u32, &Frame)],
+    specimen: &Specimen<'_>,
+    body: Body<'_>,
+    wardrobe: &Wardrobe,
+    materials: &mut Vec<Material>,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Model>, Vec<Sight>), DetailError> {
+    let (mut drawn, mut sights) = (Vec::new(), Vec::new());
+    for level in models.chunk_by(|(a, ..), (b, ..)| std::ptr::eq(*a, *b)) {
+        let mut build = |scale: f32| {
+            let build = |&(level, piece, frame): &(&Pieces, u32, &Frame)| {
+                monitor.check()?;
+                model(level, piece, frame, scale, specimen, body, wardrobe, materials, monitor)
+            };
+            level.iter().map(build).collect::<Result<Vec<Model>, DetailError>>()
+        };
+        let mut built = build(1.0)?;
+        let shown = built.iter().zip(level).map(|(model, (.., frame))| leaf_areas(model, frame));
+        let (cards, leaves) = shown.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
+        let scale = leaf_scale(cards, leaves);
+        if scale > 1.0 {
+            built = build(scale)?;
+        }
+        for (model, (.., frame)) in built.into_iter().zip(level) {
+            sights.extend(seen(drawn.len(), &model, frame));
+            drawn.push(model);
+        }
+    }
+    Ok((drawn, sights))
 }
 
 /// All that is seen on the cards: a key of it.
@@ -484,14 +497,14 @@ fn shelves(sights: &[Sight], order: &[usize], scale: f32, size_px: u32) -> Optio
 mod tests {
     use super::*;
 
-    /// A piece of many leaves, squares that are tilted from level by about so much, all ways round.
+    /// A piece of many leaves, squares that are tilted so far from level, all ways round.
     fn leaves(tilt: f32) -> (Model, Frame) {
         let frame = Frame { middle: Vec3::ZERO, heading: Vec3::Z, up: Vec3::Y, radius_m: 1.0 };
         let mut mesh = Mesh::default();
         for i in 0..300 {
             let key = linden_base::random::Key::new(5).child(i);
             let turn = glam::Quat::from_rotation_y(key.child(0).between(0.0, 6.3) as f32)
-                * glam::Quat::from_rotation_x(tilt * key.child(1).between(0.8, 1.2) as f32);
+                * glam::Quat::from_rotation_x(tilt);
             let first = mesh.positions.len() as u32;
             let at = key.child(2).in_ball().as_vec3();
             for (x, z) in [(-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1)] {
