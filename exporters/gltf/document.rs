@@ -372,7 +372,7 @@ pub(super) struct DiffuseTransmission {
     pub share: f32,
     /// By which it is multiplied, in alpha.
     #[serde(rename = "diffuseTransmissionTexture", skip_serializing_if = "Option::is_none")]
-    pub texture: Option<TextureInfo>,
+    pub share_texture: Option<TextureInfo>,
     /// Linear RGB.
     #[serde(rename = "diffuseTransmissionColorFactor")]
     pub color: [f32; 3],

@@ -423,9 +423,9 @@ fn document(
                     Some(MaterialExtensions::unlit())
                 } else {
                     let through = material.translucency.filter(|_| is_translucent);
-                    let [color, where_] = [&material.base_color_picture, &material.passing_picture]
+                    let [color, share] = [&material.base_color_picture, &material.passing_picture]
                         .map(|picture| texture(index, picture.as_ref()));
-                    through.map(|through| passing(through, color, where_, material.base_color))
+                    through.map(|through| passing(through, color, share, material.base_color))
                 },
             }
         })
@@ -508,12 +508,17 @@ fn document(
 fn passing(
     through: Translucency,
     color_texture: Option<TextureInfo>,
-    texture: Option<TextureInfo>,
+    share_texture: Option<TextureInfo>,
     color: [f32; 3],
 ) -> MaterialExtensions {
     let Translucency { share, tint } = through;
     let color = if color_texture.is_some() { tint } else { [0, 1, 2].map(|i| tint[i] * color[i]) };
-    MaterialExtensions::diffuse_transmission(DiffuseTransmission { share, texture, color, color_texture })
+    MaterialExtensions::diffuse_transmission(DiffuseTransmission {
+        share,
+        share_texture,
+        color,
+        color_texture,
+    })
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.
