@@ -622,6 +622,21 @@ mod tests {
     }
 
     #[test]
+    fn lines_of_wood_have_the_thinnest_bark_and_dead_wood_its_own() {
+        let barks = |knobs: &[(&str, &str)]| {
+            let small = [("points", "300"), ("leaf_size", "64"), ("bark_size", "64"), ("dead_twigs", "0")];
+            let subject = Subject::builtin("drawn-oak", &[&small[..], knobs].concat());
+            let scene = subject.dress(&subject.grow());
+            thinnest_barks(&scene.materials).map(|bark| bark.map_or(String::new(), |bark| bark.name.clone()))
+        };
+        assert_eq!(barks(&[]), ["bark", ""]);
+        assert_eq!(barks(&[("limb_radius", "0.05")]), ["bark_limbs", ""]);
+        let both = [("limb_radius", "0.05"), ("twig_radius", "0.01"), ("dead_twigs", "6")];
+        assert_eq!(barks(&both), ["bark_twigs", "bark_dead"]);
+        assert_eq!(thinnest_barks(&[]), [None, None]);
+    }
+
+    #[test]
     fn dead_twigs_are_bare_and_shoots_have_leaves() {
         let small = [("points", "300"), ("leaf_size", "64"), ("bark_size", "64")];
         let of = |knobs: &[(&str, &str)]| {
