@@ -14,15 +14,16 @@ const CLASS: f64 = 0.4;
 /// Measured nodes in a class at least.
 const LEAST_NODES: usize = 4;
 
-/// Where fewer of the nodes of thin wood show a circle, of 1, those that do are such as noise and neighbours have made
-/// round: most of a class is needed to know it.
-const LEAST_SHARE: f64 = 0.15;
+/// Wood of which fewer of the nodes that points are around show a circle, of 1, is not known: circles that are rare are such
+/// as neighbouring twigs and noise have made round, and thicker than the wood.
+const LEAST_SHARE: f64 = 0.3;
 
-/// Wood is thin up to so many standard deviations of its points.
-const THIN: f64 = 7.0;
+/// The exponent where nothing is measured: cross-sections add up at forks (Leonardo's rule, 0.5 where all twigs are alike);
+/// scans lose some of the length of twigs, which makes it less.
+const USUAL_EXPONENT: f64 = 0.45;
 
-/// Wood that bears more metres than this is no twig.
-const LONG_M: f64 = 30.0;
+/// How far apart, as a natural logarithm of growth length, measured classes tell as much about the exponent as what is usual.
+const TELLING: f64 = 2.0;
 
 /// Between which bounds the exponent lies by which twigs thinner than all that were measured go on.
 const EXPONENTS: (f64, f64) = (0.1, 0.6);
@@ -48,30 +49,33 @@ pub(crate) struct Allometry {
     /// Logarithms of growth length and radius, both rising.
     classes: Vec<(f64, f64)>,
     exponent: f64,
-    /// Wood that bears less than this was not measured, whatever circles say.
-    pub least_m: f64,
+    /// Numbers of the classes that are not known, rising.
+    unknown: Vec<i64>,
+}
+
+/// The number of the class of a growth length.
+fn class(growth_m: f64) -> i64 {
+    (libm::log(growth_m.max(1e-9)) / CLASS).floor() as i64
 }
 
 impl Allometry {
-    /// From growth lengths and radii (0 where no circle is believed), metres, and the standard deviation of points;
-    /// `None` for too few.
-    pub fn of(nodes: &[(f64, f64)], error_m: f64) -> Option<Self> {
+    /// From growth lengths and radii (0 where no circle is believed) of the nodes that points are around, metres; `None` for
+    /// too few.
+    pub fn of(nodes: &[(f64, f64)]) -> Option<Self> {
         let mut sorted: Vec<(f64, f64)> = nodes.iter().copied().filter(|m| m.0 > 0.0).collect();
         sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let class = |m: &(f64, f64)| (libm::log(m.0) / CLASS).floor() as i64;
-        let mut least_m = 0.0_f64;
-        for same in sorted.chunk_by(|a, b| class(a) == class(b)) {
-            let mut radii: Vec<f64> = same.iter().map(|m| m.1).filter(|&r| r > 0.0).collect();
-            let is_rare = (radii.len() as f64) < LEAST_SHARE * same.len() as f64;
-            if is_rare && median(&mut radii).is_none_or(|r| r < THIN * error_m) && same[0].0 < LONG_M {
-                least_m = libm::exp((class(&same[0]) + 1) as f64 * CLASS);
+        let mut unknown = Vec::new();
+        for same in sorted.chunk_by(|a, b| class(a.0) == class(b.0)) {
+            let believed = same.iter().filter(|m| m.1 > 0.0).count();
+            if (believed as f64) < LEAST_SHARE * same.len() as f64 {
+                unknown.push(class(same[0].0));
             }
         }
-        sorted.retain(|m| m.1 > 0.0 && m.0 >= least_m);
+        sorted.retain(|m| m.1 > 0.0 && unknown.binary_search(&class(m.0)).is_err());
         // Class after class: (logarithm of length, radius, weight), merged where the radius would shrink.
         let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
         let least = LEAST_NODES.min(sorted.len());
-        for same in sorted.chunk_by(|a, b| class(a) == class(b)) {
+        for same in sorted.chunk_by(|a, b| class(a.0) == class(b.0)) {
             if same.len() < least {
                 continue;
             }
@@ -88,8 +92,15 @@ impl Allometry {
         }
         let classes: Vec<(f64, f64)> = blocks.iter().map(|b| (b.0, b.1)).collect();
         let (first, last) = (classes.first()?, classes.last()?);
-        let slope = (last.1 - first.1) / (last.0 - first.0).max(CLASS);
-        Some(Self { exponent: slope.clamp(EXPONENTS.0, EXPONENTS.1), classes, least_m })
+        // The slope between the ends and the usual one, by how much they tell.
+        let (span, rise) = (last.0 - first.0, last.1 - first.1);
+        let slope = (rise * span + USUAL_EXPONENT * TELLING * TELLING) / (span * span + TELLING * TELLING);
+        Some(Self { exponent: slope.clamp(EXPONENTS.0, EXPONENTS.1), classes, unknown })
+    }
+
+    /// Whether wood that bears so much shows its circles.
+    pub fn is_known(&self, growth_m: f64) -> bool {
+        self.unknown.binary_search(&class(growth_m)).is_err()
     }
 
     /// Metres.
@@ -121,7 +132,7 @@ mod tests {
                 (growth, law(growth) * if i % 7 == 0 { 3.0 } else { 1.0 })
             })
             .collect();
-        let found = Allometry::of(&measured, 0.0002).unwrap();
+        let found = Allometry::of(&measured).unwrap();
         let mut last = 0.0;
         for i in 0..80 {
             let growth = 0.05 * libm::pow(1.15, f64::from(i));
@@ -129,7 +140,30 @@ mod tests {
             assert!(radius >= last && (radius / law(growth) - 1.0).abs() < 0.12, "{growth}: {radius}");
             last = radius;
         }
-        assert!(Allometry::of(&[], 0.001).is_none());
+        assert!(Allometry::of(&[]).is_none());
+    }
+
+    /// Twigs that show no circle of their own, but now and then one of several together: ten times as thick.
+    #[test]
+    fn rare_circles_make_no_twigs_thick() {
+        let law = |growth: f64| 0.003 * libm::pow(growth, 0.4);
+        let nodes: Vec<(f64, f64)> = (1..2000)
+            .map(|i| {
+                let growth = 0.05 * libm::pow(1.005, f64::from(i));
+                let seen = match i % 10 {
+                    _ if growth > 50.0 => law(growth),
+                    0 | 1 => 10.0 * law(growth),
+                    _ => 0.0,
+                };
+                (growth, seen)
+            })
+            .collect();
+        let found = Allometry::of(&nodes).unwrap();
+        for growth in [0.1, 1.0, 10.0, 30.0, 100.0, 400.0] {
+            assert_eq!(found.is_known(growth), growth > 50.0, "{growth}");
+            let off = found.radius_m(growth) / law(growth);
+            assert!((0.7..1.4).contains(&off), "{growth}: {off}");
+        }
     }
 
     #[test]

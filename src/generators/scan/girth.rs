@@ -312,8 +312,8 @@ impl Round {
         }
         let nodes = (0..positions.len()).filter(|&node| self.looked[node]);
         let known: Vec<(f64, f64)> = nodes.map(|node| (growth_m[node], seen[node].unwrap_or(0.0))).collect();
-        let allometry = Allometry::of(&known, self.error_m)?;
-        for node in (0..positions.len()).filter(|&node| growth_m[node] < allometry.least_m) {
+        let allometry = Allometry::of(&known)?;
+        for node in (0..positions.len()).filter(|&node| !allometry.is_known(growth_m[node])) {
             (seen[node], fits[node]) = (None, RadiusFit::GUESSED);
         }
         // What measured wood further out has at least.
