@@ -16,9 +16,9 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::ScanError;
-use super::contract::{Graph, Ways};
 use super::cubes::Cubes;
 use super::foot::Foot;
+use super::graph::{Graph, Ways};
 use super::neighbours::Neighbours;
 use super::surface::Patch;
 use super::trunk::Trunk;

@@ -11,7 +11,7 @@
 //! 4. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/1000 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
 //! 5. wood and leaves told apart, where that is asked for or known (`leaves`): leaves are no bark, and ways keep to wood;
-//! 6. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
+//! 6. ways from the feet (`graph`), bridges over gaps (`bridges`), sections along the ways (`sections`), smoothing;
 //! 7. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
 //! What the cloud says of its units and its upward axis stands in `frame`. After growth radii are measured
@@ -40,11 +40,11 @@
 //! Clumps of twigs that hide each other lose a part of their length.
 
 mod allometry;
+mod bridges;
 mod canopy;
 mod cells;
 mod circle;
 mod clean;
-mod contract;
 mod crowns;
 mod cubes;
 mod error;
@@ -53,11 +53,14 @@ mod foot;
 mod frame;
 mod generator;
 mod girth;
+mod graph;
 mod leaves;
+mod links;
 mod neighbours;
 pub mod plot;
 mod points;
 mod sample;
+mod sections;
 mod segments;
 mod settings;
 mod stems;
@@ -71,10 +74,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use self::cells::Near;
-use self::contract::{Graph, LinkedTo, Sections, links_within, without};
 use self::cubes::{Cubes, thin};
 use self::foot::Foot;
+use self::graph::Graph;
+use self::links::{LinkedTo, links_within, without};
 use self::neighbours::Neighbours;
+use self::sections::Sections;
 use self::trunk::Trunk;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};

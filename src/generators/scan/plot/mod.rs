@@ -20,8 +20,8 @@ use rayon::prelude::*;
 
 use self::boles::Bole;
 use self::ground::Ground;
-use crate::contract::{Cost, Graph, Start};
 use crate::cubes::Cubes;
+use crate::graph::{Cost, Graph, Start};
 use crate::{ScanError, likely_scale, spacing_m};
 
 /// How the points of a plot are to be taken.
