@@ -193,16 +193,20 @@ fn write_piece(
     out.write(b"s 1\n")?;
     records::write(out, mesh.triangles.len(), |text, range| {
         for triangle in &mesh.triangles[range] {
-            text.byte(b'f');
-            for &vertex in triangle {
-                // The same number for position, texture coordinate and normal.
-                let number = Digits::of(before + vertex + 1);
-                for before in *b" //" {
-                    text.byte(before);
-                    text.digits(number);
+            text.fill::<128>(|room| {
+                room[0] = b'f';
+                let mut len = 1;
+                for &vertex in triangle {
+                    // The same number for position, texture coordinate and normal.
+                    let number = Digits::of(before + vertex + 1);
+                    for before in *b" //" {
+                        room[len] = before;
+                        len = number.put(room, len + 1);
+                    }
                 }
-            }
-            text.byte(b'\n');
+                room[len] = b'\n';
+                len + 1
+            });
         }
     })
 }

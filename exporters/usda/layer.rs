@@ -4,7 +4,7 @@
 use linden_pipeline::Monitor;
 
 use crate::usdc::Crate;
-use crate::writing::records::{self, Text};
+use crate::writing::records::{self, Digits, Text};
 use crate::{ExportError, Sink};
 
 /// A layer, up to some depth.
@@ -191,12 +191,15 @@ impl Element for [u32; 3] {
     const ELEMENTS: usize = 3;
 
     fn format(self, text: &mut Text) {
-        let [a, b, c] = self;
-        text.integer(a);
-        text.bytes(b", ");
-        text.integer(b);
-        text.bytes(b", ");
-        text.integer(c);
+        text.fill::<64>(|room| {
+            let [a, b, c] = self.map(Digits::of);
+            let mut len = a.put(room, 0);
+            for number in [b, c] {
+                room[len..len + 2].copy_from_slice(b", ");
+                len = number.put(room, len + 2);
+            }
+            len
+        });
     }
 
     fn append(self, bytes: &mut Vec<u8>) {

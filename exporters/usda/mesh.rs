@@ -61,14 +61,23 @@ color3f[] primvars:displayColor = [{}] (
         layer.lines(&format!("token[] semantics:labels:class = [{}]", quoted(label)))?;
     }
     let vertex = Some("vertex");
-    layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |_| 3)?;
-    layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |i| mesh.triangles[i])?;
     let count = mesh.positions.len();
-    layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
-    layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())?;
-    coordinates(layer, "texCoord2f[] primvars:st", mesh, bytemuck::cast_slice(&mesh.uvs))?;
+    let uvs = bytemuck::cast_slice(&mesh.uvs);
+    // Which values repeat is found one after the other, while the rest is formatted.
+    let (written, repeats) = rayon::join(
+        || {
+            layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |_| 3)?;
+            layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |i| mesh.triangles[i])?;
+            layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
+            layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())
+        },
+        || indexed(uvs),
+    );
+    written?;
+    coordinates(layer, "texCoord2f[] primvars:st", mesh, uvs, repeats)?;
     if let Some(set) = &piece.lightmap {
-        coordinates(layer, LIGHTMAP_TRACE, mesh, bytemuck::cast_slice(set))?;
+        let values = bytemuck::cast_slice(set);
+        coordinates(layer, LIGHTMAP_TRACE, mesh, values, indexed(values))?;
     }
     if let Some(wind) = wind {
         wind::write(layer, wind, count, parent, &format!("{parent}/{name}"))?;
@@ -80,15 +89,17 @@ color3f[] primvars:displayColor = [{}] (
     layer.lines("\n")
 }
 
-/// Texture coordinates, each different pair once, with an index for each corner of a face. One for each vertex would say
-/// the same in fewer bytes, but three.js takes indices for those of corners whatever `interpolation` says.
+/// Texture coordinates, each different pair once where `repeats` has them (of [`indexed`]), with an index for each corner of
+/// a face. One for each vertex would say the same in fewer bytes, but three.js takes indices for those of corners whatever
+/// `interpolation` says.
 fn coordinates(
     layer: &mut Layer<'_, '_>,
     declaration: &str,
     mesh: &Mesh,
     values: &[[f32; 2]],
+    repeats: Option<(Vec<[f32; 2]>, Vec<u32>)>,
 ) -> Result<(), ExportError> {
-    let Some((once, indices)) = indexed(values) else {
+    let Some((once, indices)) = repeats else {
         return layer.array(declaration, values.len(), Some("vertex"), |i| values[i]);
     };
     layer.array(declaration, once.len(), Some("faceVarying"), |i| once[i])?;

@@ -84,6 +84,7 @@
 //! ```
 
 mod asked;
+mod decimal;
 pub mod distinct;
 pub(crate) mod exr;
 mod fit;

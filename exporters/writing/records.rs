@@ -6,7 +6,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::decimal::{self, FLOAT_ROOM};
 use crate::{ExportError, Sink};
+
+pub use super::decimal::Digits;
 
 /// Records per piece of parallel work: a hundred kilobytes of text, a fraction of a millisecond.
 const CHUNK: usize = 4096;
@@ -143,30 +146,29 @@ impl Text {
         }
     }
 
+    /// Appends what `fill` puts at the beginning of the next `N` bytes: it gives how many of them.
+    #[inline]
+    pub(crate) fn fill<const N: usize>(&mut self, fill: impl FnOnce(&mut [u8; N]) -> usize) {
+        let used = fill(self.room());
+        debug_assert!(used <= N);
+        self.len += used;
+    }
+
     /// Appends a finite number: the shortest decimals that read back as the same number; whole numbers without a point.
     #[inline]
     pub fn float(&mut self, x: f32) {
         debug_assert!(x.is_finite());
-        let mut buffer = zmij::Buffer::new();
-        let text = buffer.format_finite(x).as_bytes();
-        let text = text.strip_suffix(b".0").unwrap_or(text);
-        // Two pieces that overlap in the middle.
-        let room = self.room::<16>();
-        match (text.first_chunk::<8>(), text.last_chunk::<8>()) {
-            (Some(first), Some(last)) if text.len() <= 16 => {
-                room[..8].copy_from_slice(first);
-                room[text.len() - 8..text.len()].copy_from_slice(last);
-                self.len += text.len();
-            }
-            _ => match (text.first_chunk::<4>(), text.last_chunk::<4>()) {
-                (Some(first), Some(last)) if text.len() <= 8 => {
-                    room[..4].copy_from_slice(first);
-                    room[text.len() - 4..text.len()].copy_from_slice(last);
-                    self.len += text.len();
-                }
-                _ => self.slice(text),
-            },
+        match decimal::shortest(x, self.room::<FLOAT_ROOM>()) {
+            Some(len) => self.len += len,
+            None => self.tiny_or_huge(x),
         }
+    }
+
+    #[cold]
+    fn tiny_or_huge(&mut self, x: f32) {
+        let mut buffer = zmij::Buffer::new();
+        let text = buffer.format_finite(x);
+        self.slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
     }
 
     /// Appends finite numbers, with `between` before each save the first.
@@ -192,52 +194,6 @@ impl Text {
         *self.room() = digits.text;
         self.len += digits.len;
     }
-}
-
-/// An integer in decimal, to be written any number of times.
-#[derive(Clone, Copy)]
-pub struct Digits {
-    text: [u8; 16],
-    len: usize,
-}
-
-impl Digits {
-    /// The digits of a number.
-    #[inline]
-    pub fn of(n: u32) -> Self {
-        const EIGHT: u32 = 100_000_000;
-        let low = eight_digits(n % EIGHT);
-        let mut text = [0; 16];
-        if n < EIGHT {
-            // The first digit is in the lowest byte, so zeros to be dropped are trailing ones.
-            let zeros = low.trailing_zeros().min(56) / 8;
-            text[..8].copy_from_slice(&((low >> (8 * zeros)) | ASCII_ZEROS).to_le_bytes());
-            return Self { text, len: 8 - zeros as usize };
-        }
-        let high = n / EIGHT;
-        let mut len = 0;
-        if high >= 10 {
-            text[0] = b'0' + (high / 10) as u8;
-            len = 1;
-        }
-        text[len] = b'0' + (high % 10) as u8;
-        text[len + 1..len + 9].copy_from_slice(&(low | ASCII_ZEROS).to_le_bytes());
-        Self { text, len: len + 9 }
-    }
-}
-
-const ASCII_ZEROS: u64 = 0x3030_3030_3030_3030;
-
-/// The eight decimal digits of a number below 10⁸, one per byte, the first in the lowest: halves, then
-/// quarters, then digits are divided side by side in one register. The multiplications are divisions
-/// by 100 and 10, exact for numbers below 10⁴ and 10².
-#[inline]
-fn eight_digits(n: u32) -> u64 {
-    let halves = u64::from(n / 10_000) | u64::from(n % 10_000) << 32;
-    let hundreds = (halves * 10_486) >> 20 & 0x0000_007f_0000_007f;
-    let quarters = hundreds | (halves - hundreds * 100) << 16;
-    let tens = (quarters * 103) >> 10 & 0x000f_000f_000f_000f;
-    tens | (quarters - tens * 10) << 8
 }
 
 #[cfg(test)]
@@ -306,17 +262,6 @@ mod tests {
             text.float(if x.is_finite() { x } else { 0.0 });
             let back: f32 = std::str::from_utf8(text.written()).unwrap().parse().unwrap();
             assert!(back == x || !x.is_finite(), "{x} as {back}");
-        }
-    }
-
-    #[test]
-    fn integers_are_those_of_std() {
-        let powers = (0..10).flat_map(|e| [10u32.pow(e) - 1, 10u32.pow(e), 10u32.pow(e) + 1]);
-        let spread = (0..200_000u32).map(|i| i.wrapping_mul(2_654_435_761) >> (i % 32));
-        for n in (0..=10_100).chain(powers).chain(spread).chain([99_999_999, u32::MAX]) {
-            let mut text = Text::default();
-            text.integer(n);
-            assert_eq!(text.written(), n.to_string().as_bytes());
         }
     }
 }
