@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::foliage::{
-    self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look, ShedLeaf,
+    self, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look, ShedLeaf,
 };
 use crate::moss::{self, Mossy};
 use crate::scene::{Material, Part, Scene, Wrap};
@@ -399,7 +399,7 @@ impl Wardrobe {
                 normal_picture: cover.and_then(|cover| cover.normal.clone()),
                 roughness: LEAF_ROUGHNESS,
                 double_sided: true,
-                cutout: cover.filter(|cover| cover.is_cut_out).map(|_| CUTOUT),
+                cutout: cover.and_then(|cover| cover.cutout),
                 wrap: Wrap::Clamp,
                 translucency: cover.and_then(|cover| cover.translucency),
                 passing_picture: cover.and_then(|cover| cover.passing.clone()),

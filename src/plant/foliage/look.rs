@@ -23,8 +23,8 @@ pub struct Cover {
     pub base_color: Arc<Picture>,
     /// Tangent-space normals, OpenGL convention.
     pub normal: Option<Arc<Picture>>,
-    /// Whether the picture's alpha counts.
-    pub is_cut_out: bool,
+    /// The alpha of the picture below which nothing is drawn: see [`Material::cutout`](crate::scene::Material::cutout).
+    pub cutout: Option<f32>,
     /// Where each variant of the organ is in the picture; at least one.
     pub cells: Vec<Cell>,
     /// What passes through the organ.
@@ -36,11 +36,11 @@ pub struct Cover {
 impl Cover {
     /// The picture whose alpha says what is cut out; `None`: all is opaque.
     pub(crate) fn mask(&self) -> Option<&Arc<Picture>> {
-        self.is_cut_out.then_some(&self.base_color)
+        self.cutout.map(|_| &self.base_color)
     }
 }
 
-/// Where the alpha of leaves is cut.
+/// The alpha at the rim of a leaf. What has to be seen from afar is cut lower: see [`Cover::cutout`].
 pub const CUTOUT: f32 = 0.5;
 /// Side of one colour of a palette, pixels: enough that smaller copies of the picture do not mix two.
 const SWATCH_PX: u32 = 16;
@@ -68,7 +68,7 @@ pub fn cover(
         return Ok(Cover {
             base_color: Arc::clone(&found.picture),
             normal: None,
-            is_cut_out: found.has_alpha,
+            cutout: found.has_alpha.then(|| leaf::cutout(&found.picture)),
             cells: vec![Cell::whole(found)],
             translucency,
             passing: None,
@@ -85,7 +85,8 @@ pub fn cover(
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
     let LeafPictures { base_color, normal, cells } = specimen.drawn.leaves(look, twig, key, monitor)?;
-    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells, translucency, passing: None })
+    let cutout = Some(leaf::cutout(&base_color));
+    Ok(Cover { base_color, normal: Some(normal), cutout, cells, translucency, passing: None })
 }
 
 fn translucency(kind: &LeafKind) -> Option<Translucency> {
@@ -211,7 +212,7 @@ fn palette(colors: &[[u8; 3]]) -> Cover {
     Cover {
         base_color: Arc::new(Picture::new(side, side, rgba)),
         normal: None,
-        is_cut_out: false,
+        cutout: None,
         cells: colors.iter().enumerate().map(cell).collect(),
         translucency: None,
         passing: None,

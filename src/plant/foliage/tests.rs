@@ -591,7 +591,7 @@ fn a_mesh_of_the_users_stands_on_its_foot_one_unit_high() {
     let recipe = with_mesh(PYRAMID);
     let first = &recipe.dressing.foliage.first;
     let cover = recipe.with(|specimen| cover(specimen, 0, first, 64, &Quiet)).unwrap();
-    assert!(!cover.is_cut_out);
+    assert_eq!(cover.cutout, None);
     let pixel = |cell: &crate::texture::leaf::Cell| {
         let at = (cell.min + cell.max) / 2.0;
         let (w, h) = (cover.base_color.width() as f32, cover.base_color.height() as f32);

@@ -183,7 +183,7 @@ pub(super) fn draw<'a>(
     let cover = Cover {
         base_color: color,
         normal: Some(normal),
-        is_cut_out: true,
+        cutout: Some(CUTOUT),
         cells: vec![whole],
         translucency,
         passing: translucency.map(|_| passing),

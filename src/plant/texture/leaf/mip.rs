@@ -4,9 +4,12 @@
 //! one half: needles, which fill no square by half, vanish. Castaño 2010 ("Computing alpha mipmaps")
 //! scales the alpha of each copy until as much is left as there was. The copies are not ours to
 //! make; instead what is near the leaf, and stays below one half, is raised by one factor for the
-//! whole picture, such that the copies keep on average what the picture has.
+//! whole picture, such that the copies keep on average what the picture has. What vanishes in the smallest copies
+//! all the same is cut at a lower alpha ([`cutout`]).
 
 use rayon::prelude::*;
+
+use linden_base::picture::Picture;
 
 /// What has an alpha.
 pub(crate) trait Cutout: Send + Sync {
@@ -120,7 +123,11 @@ impl Blocks {
     }
 
     fn share(&self) -> f32 {
-        self.values.iter().filter(|c| **c >= 0.5).count() as f32 / self.values.len() as f32
+        self.share_above(0.5)
+    }
+
+    fn share_above(&self, least: f32) -> f32 {
+        self.values.iter().filter(|c| **c >= least).count() as f32 / self.values.len() as f32
     }
 
     fn halved(&self) -> Self {
@@ -147,6 +154,53 @@ impl Blocks {
         };
         line(top) + (line(low) - line(top)) * fy
     }
+}
+
+/// Where an alpha may be cut, the usual one first.
+const CUTOUTS: [f32; 6] = [0.5, 0.45, 0.4, 0.35, 0.3, 0.25];
+/// How much of what copies can keep is enough.
+const ENOUGH: f32 = 0.98;
+/// The side of the smallest copy that is looked at, pixels: a picture holds a few leaves, of two pixels there.
+const SMALLEST: usize = 8;
+
+/// The alpha below which a picture is cut out: the greatest of [`CUTOUTS`] at which smaller copies of it, halved again
+/// and again, keep as much on average as at any of them. From afar needles stay on their twigs that way, in programs that
+/// make copies by plain means.
+pub(crate) fn cutout(picture: &Picture) -> f32 {
+    let (width, height) = (picture.width() as usize, picture.height() as usize);
+    if width.min(height) < 2 * SMALLEST {
+        return CUTOUTS[0];
+    }
+    let rows = picture.rgba().chunks_exact(4 * width).map(|row| row.as_chunks::<4>().0);
+    let whole =
+        rows.clone().flatten().filter(|[.., alpha]| *alpha >= 128).count() as f32 / (width * height) as f32;
+    // The first copy from bytes, which are many.
+    let mut level = Blocks { width: width / 2, height: height / 2, values: Vec::new() };
+    level.values.reserve_exact(level.width * level.height);
+    let mut above: &[[u8; 4]] = &[];
+    for (y, row) in rows.enumerate() {
+        if y % 2 == 0 {
+            above = row;
+            continue;
+        }
+        let squares = above.as_chunks::<2>().0.iter().zip(row.as_chunks::<2>().0);
+        level.values.extend(squares.map(|(above, below)| {
+            let sum: u32 = above.iter().chain(below).map(|[.., alpha]| u32::from(*alpha)).sum();
+            sum as f32 / (4.0 * 255.0)
+        }));
+    }
+    let mut kept = [0.0_f32; CUTOUTS.len()];
+    loop {
+        for (kept, at_least) in kept.iter_mut().zip(CUTOUTS) {
+            *kept += level.share_above(at_least).min(whole);
+        }
+        if level.width.min(level.height) < 2 * SMALLEST {
+            break;
+        }
+        level = level.halved();
+    }
+    let most = kept.into_iter().fold(0.0, f32::max);
+    CUTOUTS.into_iter().zip(kept).find(|(_, kept)| *kept >= ENOUGH * most).map_or(CUTOUTS[0], |(at, _)| at)
 }
 
 #[cfg(test)]
@@ -213,5 +267,33 @@ mod tests {
             let ratio = share(&after, square) / share(&disc, 1);
             assert!((0.93..1.07).contains(&ratio), "{square}: {ratio}");
         }
+    }
+
+    /// A picture of an alpha by pixel.
+    fn picture(alpha: impl Fn(usize, usize) -> u8) -> Picture {
+        let rgba = (0..N * N).flat_map(|i| [0, 0, 0, alpha(i % N, i / N)]).collect();
+        Picture::new(N as u32, N as u32, rgba)
+    }
+
+    #[test]
+    fn what_vanishes_in_small_copies_is_cut_lower_and_nothing_else() {
+        let inside = |x: usize, y: usize| (64..192).contains(&x) && (64..192).contains(&y);
+        // Two pixels in five.
+        let comb = picture(|x, y| if inside(x, y) && x % 5 < 2 { 255 } else { 0 });
+        let square = picture(|x, y| if inside(x, y) { 255 } else { 0 });
+        let (of_comb, of_square) = (cutout(&comb), cutout(&square));
+        assert_eq!(of_square, 0.5);
+        assert!(of_comb <= 0.4, "{of_comb}");
+        // By the definition, in the copy of a sixteenth: at one half nearly all of the comb is gone.
+        let spots: Vec<f32> = comb.rgba().iter().skip(3).step_by(4).map(|&a| f32::from(a) / 255.0).collect();
+        let share = |at_least: f32| {
+            let sums = (0..16 * 16).map(|i| {
+                let cell = (0..256).map(|k| spots[(i / 16 * 16 + k / 16) * N + i % 16 * 16 + k % 16]);
+                cell.sum::<f32>() / 256.0
+            });
+            sums.filter(|&mean| mean >= at_least).count()
+        };
+        assert!(share(0.5) < 8 && share(of_comb) >= 32, "{} {}", share(0.5), share(of_comb));
+        assert_eq!(cutout(&Picture::new(1, 1, vec![0, 0, 0, 255])), 0.5);
     }
 }

@@ -32,7 +32,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
 use linden_base::random::Key;
 
-pub(crate) use mip::keep_coverage;
+pub(crate) use mip::{cutout, keep_coverage};
 pub use outline::{Margin, Outline, Veins};
 
 /// What leaf to draw.
@@ -152,8 +152,8 @@ pub enum Arrangement {
 /// The pictures of an atlas, both square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafPictures {
-    /// sRGB with alpha, not premultiplied, meant to be cut out at one half: what is below that outside
-    /// the leaf keeps smaller copies of the picture from losing it. Colours go on far outside, so that
+    /// sRGB with alpha, not premultiplied, one half at the rim of the leaf: what is below that outside
+    /// of it keeps smaller copies of the picture from losing it. Colours go on far outside, so that
     /// they have no rim.
     pub base_color: Arc<Picture>,
     /// Tangent-space normals; OpenGL convention, green points up.
