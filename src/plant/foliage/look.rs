@@ -41,7 +41,7 @@ impl Cover {
 }
 
 /// The alpha at the rim of a leaf. What has to be seen from afar is cut lower: see [`Cover::cutout`].
-pub const CUTOUT: f32 = 0.5;
+pub const RIM: f32 = 0.5;
 /// Side of one colour of a palette, pixels: enough that smaller copies of the picture do not mix two.
 const SWATCH_PX: u32 = 16;
 /// How far leaves of the shade are darker where nothing is said.
@@ -84,9 +84,10 @@ pub fn cover(
     }
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
-    let LeafPictures { base_color, normal, cells } = specimen.drawn.leaves(look, twig, key, monitor)?;
-    let cutout = Some(leaf::cutout(&base_color));
-    Ok(Cover { base_color, normal: Some(normal), cutout, cells, translucency, passing: None })
+    let LeafPictures { base_color, cutout, normal, cells } =
+        specimen.drawn.leaves(look, twig, key, monitor)?;
+    let (normal, cutout) = (Some(normal), Some(cutout));
+    Ok(Cover { base_color, normal, cutout, cells, translucency, passing: None })
 }
 
 fn translucency(kind: &LeafKind) -> Option<Translucency> {

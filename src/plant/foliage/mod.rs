@@ -36,7 +36,7 @@ pub use linden_skeleton::organs::{
     Hanging, LeafShape, MAX_CORNERS, OrganClass, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons,
     Prototype, prototype,
 };
-pub use look::{CUTOUT, Cover, cover};
+pub use look::{Cover, RIM, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
 pub(crate) use opaque::opaque_shares;
 pub use sprout::GROWING;

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, Vec2};
 
-use super::CUTOUT;
+use super::RIM;
 use linden_base::mesh::Mesh;
 use linden_base::picture::Picture;
 
@@ -19,7 +19,7 @@ fn opaque_share(picture: &Picture, corners: [Vec2; 3]) -> f64 {
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     let size = Vec2::new(width as f32, height as f32);
     let corners = corners.map(|uv| (Vec2::new(uv.x, 1.0 - uv.y) * size).as_dvec2());
-    let is_opaque = |x: usize, y: usize| f32::from(picture.rgba()[4 * (y * width + x) + 3]) >= CUTOUT * 255.0;
+    let is_opaque = |x: usize, y: usize| f32::from(picture.rgba()[4 * (y * width + x) + 3]) >= RIM * 255.0;
     let (mut all, mut opaque) = (0_u64, 0_u64);
     let lines = corners.map(|corner| corner.y);
     let (low, high) =

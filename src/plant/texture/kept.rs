@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec2;
 
 use super::BarkPictures;
-use super::leaf::{Cell, LeafPictures};
+use super::leaf::{self, Cell, LeafPictures};
 use linden_base::monitor::Monitor;
 use linden_base::picture::{DRAWING_SOURCE, Picture, PictureKey, PictureStore};
 
@@ -170,7 +170,7 @@ impl Kept for BarkPictures {
 impl Kept for LeafPictures {
     fn get(store: &dyn PictureStore, key: PictureKey) -> Option<Self> {
         let ([base_color, normal], about) = get_pair(store, key)?;
-        Some(Self { base_color, normal, cells: read_cells(&about)? })
+        Some(Self { cutout: leaf::cutout(&base_color), base_color, normal, cells: read_cells(&about)? })
     }
 
     fn put(&self, store: &dyn PictureStore, key: PictureKey) {

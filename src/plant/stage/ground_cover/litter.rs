@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Quat, Vec2, Vec3};
 
 use super::{GroundCover, GroundPatch, Meadow, lying, variant};
-use crate::foliage::{CUTOUT, FallenLeaf, Placement};
+use crate::foliage::{FallenLeaf, Placement, RIM};
 use crate::scene::{Material, Scene, Wrap};
 use crate::stage::Stage;
 use crate::texture::leaf::LeafError;
@@ -142,7 +142,7 @@ fn material(leaf: &FallenLeaf, number: usize) -> Material {
     Material {
         name: if number == 0 { "litter".to_owned() } else { format!("litter_{}", number + 1) },
         base_color: brown(0.45),
-        cutout: picture.is_some().then_some(CUTOUT),
+        cutout: picture.is_some().then_some(RIM),
         base_color_picture: picture,
         normal_picture: None,
         roughness: 0.9,

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use super::field::Window;
 use super::figure::Figure;
-use super::mip::keep_coverage;
+use super::mip::{cutout, keep_coverage};
 use super::paint::{Grain, Placed, Spot, rows};
 use super::{Cell, LeafError, LeafPictures};
 use linden_base::color::code;
@@ -68,7 +68,8 @@ pub(super) fn draw(
         },
     );
     let picture = |rgba| Arc::new(Picture::new(size, size, rgba));
-    Ok(LeafPictures { base_color: picture(colors), normal: picture(normals), cells })
+    let base_color = picture(colors);
+    Ok(LeafPictures { cutout: cutout(&base_color), base_color, normal: picture(normals), cells })
 }
 
 /// Where figures go: columns and rows of equal cells, all figures in the same scale and held at the

@@ -156,6 +156,8 @@ pub struct LeafPictures {
     /// of it keeps smaller copies of the picture from losing it. Colours go on far outside, so that
     /// they have no rim.
     pub base_color: Arc<Picture>,
+    /// The alpha below which nothing is to be drawn, so that smaller copies keep thin leaves.
+    pub cutout: f32,
     /// Tangent-space normals; OpenGL convention, green points up.
     pub normal: Arc<Picture>,
     /// Where each variant is; they do not touch.
