@@ -201,7 +201,7 @@ mod tests {
             ("dressed-fir", &[]),
             (
                 "drawn-oak",
-                &[("points", "400"), ("triangles", "3000"), ("leaf_size", "64"), ("bark_size", "64")],
+                &[("points", "400"), ("triangles", "3000")],
             ),
             ("drawn-oak", &[("points", "300"), ("lods", "2"), ("billboard", "2"), ("wind", "attributes")]),
             ("abop-f", &[]),
@@ -209,7 +209,8 @@ mod tests {
         let mut less = 0;
         for (id, knobs) in cases {
             let mut preset = builtin(id).unwrap().load().unwrap();
-            for (knob, value) in knobs {
+            let small = [("leaf_size", "64"), ("bark_size", "64"), ("billboard_size", "128")];
+            for (knob, value) in small.iter().chain(knobs) {
                 preset.set(knob, value).unwrap();
             }
             let recipe = Recipe::new(preset);

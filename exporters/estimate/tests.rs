@@ -130,7 +130,7 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
 #[test]
 fn estimates_are_near_the_real_files() {
     let faults = builtins().par_iter().enumerate().flat_map_iter(|(tree, builtin)| {
-        all_off(builtin.id, Turn { tree, trees: 5 }, &Recipe::new(builtin.load().unwrap()))
+        all_off(builtin.id, Turn { tree, trees: 8 }, &Recipe::new(builtin.load().unwrap()))
     });
     assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
 }
@@ -147,11 +147,11 @@ fn budgets_levels_and_wind_are_estimated_too() {
         &[("wind", "bones"), ("lods", "2"), ("triangles", "20000")],
     ];
     let plants = ["oak", "dressed-fir", "box"];
-    // Each case has every file with one of the plants.
+    // Each case has every second file with one of the plants, its neighbour the others.
     let all = (0..plants.len()).flat_map(|plant| (0..cases.len()).map(move |case| (plant, case)));
     let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(plant, case)| {
         let (id, knobs) = (plants[plant], cases[case]);
-        let turn = Turn { tree: plant + case, trees: plants.len() };
+        let turn = Turn { tree: plant + case, trees: 2 * plants.len() };
         let mut preset = linden_pipeline::preset::builtin(id).unwrap().load().unwrap();
         for (knob, value) in knobs {
             preset.set(knob, value).unwrap();
@@ -202,7 +202,8 @@ fn bark_from_a_file_is_estimated_by_its_file() {
     let key = linden_pipeline::random::Key::new(3);
     for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
         let mut recipe = Recipe::new(preset.clone());
-        let photograph = linden_pipeline::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
+        let bark = linden_pipeline::texture::Bark { size_px: 512, ..linden_pipeline::texture::Bark::new(style, key) };
+        let photograph = bark.draw(&Quiet).unwrap().base_color;
         let png = photograph.png().unwrap();
         let input = linden_pipeline::recipe::Input::read("my.png", png, &Quiet).unwrap();
         assert!(recipe.put_file("bark_picture", "my.png", &input));

@@ -140,10 +140,11 @@ pub fn canopy(
         .enumerate()
         .map(|(i, prototype)| Stamp { mesh: prototype.mesh(), shares: whole(prototype.mesh()), crop: 1 + i })
         .collect();
-    stamps.extend(shapes.iter().map(|LeafShape { kind, mesh, .. }| {
+    stamps.extend(shapes.iter().map(|LeafShape { kind, mesh, faces, .. }| {
         let kind = usize::from(*kind).min(kinds.len() - 1);
         let mask = covers.get(kind).and_then(Option::as_ref).and_then(Cover::mask).map(AsRef::as_ref);
-        Stamp { mesh, shares: opaque_shares(mesh, mask), crop: first_kind + kind }
+        let shares = opaque_shares(mesh, mask).into_iter().map(|share| share / f64::from(*faces));
+        Stamp { mesh, shares: shares.collect(), crop: first_kind + kind }
     }));
     let measuring = Measuring { organs, stamps: &stamps, crops: &crops };
 

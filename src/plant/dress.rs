@@ -398,7 +398,7 @@ impl Wardrobe {
                 base_color_picture: cover.map(|cover| Arc::clone(&cover.base_color)),
                 normal_picture: cover.and_then(|cover| cover.normal.clone()),
                 roughness: LEAF_ROUGHNESS,
-                double_sided: true,
+                double_sided: cover.is_none_or(|cover| cover.backs.is_empty()),
                 cutout: cover.and_then(|cover| cover.cutout),
                 wrap: Wrap::Clamp,
                 translucency: cover.and_then(|cover| cover.translucency),
@@ -576,7 +576,7 @@ pub(crate) fn covers(
         let cover = foliage::cover(specimen, index, kind, foliage.size_px, &holding)?;
         let normal = cover.normal.as_ref().map_or(0, |normal| normal.rgba().len());
         pictures += (cover.base_color.rgba().len() + normal) as u64;
-        shapes.extend(foliage::kind_shapes(specimen, index, kind, &cover.cells)?);
+        shapes.extend(foliage::kind_shapes(specimen, index, kind, &cover)?);
         covers.push(Some(cover));
     }
     Ok((covers, shapes))

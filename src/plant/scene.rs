@@ -102,6 +102,12 @@ pub struct Material {
 }
 
 impl Material {
+    /// Whether light comes to it from both sides: a leaf. What is closed, as wood is, is seen from outside alone; so are the
+    /// two faces of a leaf whose under side is drawn, and these are cut out.
+    pub fn is_sheet(&self) -> bool {
+        self.double_sided || self.cutout.is_some()
+    }
+
     /// All pictures of it.
     pub fn pictures(&self) -> impl Iterator<Item = &Arc<Picture>> {
         [&self.base_color_picture, &self.normal_picture, &self.passing_picture].into_iter().flatten()

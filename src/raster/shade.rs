@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec2, Vec3};
 use linden_pipeline::foliage::Organs;
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::scene::Part;
+use linden_pipeline::scene::{Material, Part};
 use linden_pipeline::{NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
@@ -79,11 +79,17 @@ impl Cells {
         self.hidden[at].fetch_add(units.min(1 << 40), Ordering::Relaxed);
     }
 
-    /// Adds triangles. `is_leaf` tells whether a part's are seen from both sides.
-    pub fn add_part(&self, part: &Part, is_leaf: bool) {
+    /// Adds the triangles of a part.
+    pub fn add_part(&self, part: &Part, material: &Material) {
         let mesh = &part.mesh;
         let every = mesh.triangles.len().div_ceil(self.looks).max(1);
-        let share = if is_leaf { LEAF_SHARE } else { WOOD_SHARE } * every as f32;
+        let share = match (material.is_sheet(), material.double_sided) {
+            (true, true) => LEAF_SHARE,
+            // Of two faces.
+            (true, false) => LEAF_SHARE / 2.0,
+            (false, _) => WOOD_SHARE,
+        };
+        let share = share * every as f32;
         (0..mesh.triangles.len().div_ceil(every)).into_par_iter().with_min_len(4096).for_each(|i| {
             let [a, b, c] = mesh.triangles[i * every].map(|v| mesh.positions[v as usize]);
             let area_m2 = (b - a).cross(c - a).length() / 2.0;
@@ -343,7 +349,7 @@ mod tests {
             strokes.add_organs(&grown.organs, |_| true);
             let surface = Cells::around(&extent, false);
             for part in &scene.parts {
-                surface.add_part(part, scene.materials[part.material].double_sided);
+                surface.add_part(part, &scene.materials[part.material]);
             }
             let ratio = sum(strokes) / sum(surface);
             assert!((0.7..1.4).contains(&ratio), "{id}: {ratio}");

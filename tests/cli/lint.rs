@@ -68,10 +68,10 @@ fn binary_usd_has_the_report_of_text() {
     let folder = Folder::new();
     // The options are those of layers by themselves.
     for (source, args, options) in [
-        ("oak", &["--lods", "3"][..], &["proxy=true", "lightmap_uv=true"][..]),
+        ("drawn-oak", &["--lods", "3", "--set", "points=400"][..], &["proxy=true", "lightmap_uv=true"][..]),
         ("apple", &["--set", "season=0.6", "--instances"], &["collision=capsules"]),
         ("fir", &[], &["materialx=false", "pictures=false"]),
-        ("oak", &[], &["payload=true"]),
+        ("drawn-oak", &["--set", "points=400"], &["payload=true"]),
         ("dressed-simple", &["--wind=bones", "--lods", "2", "--set", "points=60"], &[]),
         ("dressed-simple", &["--wind=sway", "--scene", "--set", "points=60"], &[]),
         ("dressed-simple", &["--wind=bones", "--set", "points=60"], &["nanite=skeletal"]),

@@ -19,8 +19,8 @@ fn watertight_wood_is_one_closed_manifold() {
         // Fewer branches meet in the same ways.
         match id {
             "simple" => recipe.preset.set("points", "200").unwrap(),
-            "grove" => recipe.preset.set("points", "600").unwrap(),
-            _ => {}
+            "grove" => recipe.preset.set("points", "250").unwrap(),
+            _ => recipe.preset.set("derivations", "7").unwrap(),
         }
         for &(knob, value) in [("junction", "watertight"), ("bark_size", "16")].iter().chain(features) {
             recipe.preset.set(knob, value).unwrap();

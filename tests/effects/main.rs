@@ -178,11 +178,15 @@ enum Came {
     Nothing,
 }
 
+/// Values that are tried of a knob that is said to change nothing: with all of them the test takes twice as long.
+const TRIED_OF_IDLE: usize = 2;
+
 fn turned(plant: &Plant, row: &PresetKnob, before: &(Export, Export)) -> Came {
-    let now = row.read(&plant.recipe.preset).unwrap();
-    let values = values(&row.knob.kind, &now);
+    let preset = &plant.recipe.preset;
+    let values = values(&row.knob.kind, &row.read(preset).unwrap());
     assert!(!values.is_empty(), "no value to turn {} to", row.knob.name);
-    for value in values.iter().filter(|value| !is_slow(row.knob.name, value)) {
+    let most = if preset.idle(row.knob.name).is_some() { TRIED_OF_IDLE } else { usize::MAX };
+    for value in values.iter().filter(|value| !is_slow(row.knob.name, value)).take(most) {
         let mut recipe = plant.recipe.clone();
         recipe.preset.set(row.knob.name, value).unwrap();
         match seen(&recipe) {

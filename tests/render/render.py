@@ -58,7 +58,8 @@ def let_light_through(share, tint=(0.95, 1.0, 0.5)):
     for material in bpy.data.materials:
         tree = material.node_tree
         surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if tree else None
-        if surface is None or not surface.inputs["Alpha"].is_linked:
+        # Of what has two faces, of which each is seen from its own side, none goes through.
+        if surface is None or not surface.inputs["Alpha"].is_linked or material.use_backface_culling:
             continue
         nodes, link = tree.nodes, tree.links.new
         color, alpha = (surface.inputs[name].links[0].from_socket for name in ("Base Color", "Alpha"))

@@ -429,12 +429,20 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["leaf_lobes", "leaf_lobe_depth", "leaf_margin", "leaf_petiole"],
+        knobs: &["leaf_lobes", "leaf_lobe_depth", "leaf_margin", "leaf_petiole", "back_colors"],
         why: |preset| {
             when(
                 preset.dressing.foliage.first.form == Form::Mesh,
                 "it is for drawn leaves, and leaf_form is mesh",
             )
+        },
+    },
+    Rule {
+        knobs: &["leaf_translucency"],
+        why: |preset| {
+            let LeafKind { back_colors, picture, form, .. } = &preset.dressing.foliage.first;
+            let is_drawn = picture.is_none() && *form != Form::Mesh;
+            when(is_drawn && back_colors.is_some(), "back_colors gives leaves two faces, and no light passes both")
         },
     },
     Rule {
@@ -533,6 +541,7 @@ static RULES: &[Rule] = &[
             "leaf_margin",
             "leaf_petiole",
             "leaf_colors",
+            "back_colors",
             "autumn_colors",
             "young_colors",
             "turn_range",
@@ -651,6 +660,7 @@ const LOOKS: &[&str] = &[
     "leaf_jitter",
     "leaf_offset",
     "leaf_normals",
+    "back_colors",
     "autumn_colors",
     "leaf_tint_spread",
     "leaf_shade",
@@ -685,6 +695,7 @@ const OUT_OF_SEASON: &[&str] = &[
     "leaf_offset",
     "leaf_normals",
     "leaf_keep",
+    "back_colors",
     "autumn_colors",
     "young_colors",
     "turn_range",

@@ -308,13 +308,13 @@ mod tests {
     #[test]
     fn every_budget_is_met_by_every_tree() {
         let mut checked = 0;
-        // Plants are large: one in seven, with fewer budgets.
+        // Every second budget of each, by turns. Plants are large: one in seven, with a single one.
         let (plants, plain): (Vec<&Builtin>, Vec<&Builtin>) = builtins()
             .iter()
             .partition(|builtin| builtin.load().is_ok_and(|preset| preset.group == "Plants"));
-        let all = [0.9, 0.5, 0.3, 0.1, 0.03, 0.01];
-        let plain = plain.into_iter().map(|builtin| (builtin, &all[..]));
-        let plants = plants.into_iter().step_by(7).map(|builtin| (builtin, &all[3..4]));
+        let turns = [[0.9, 0.3, 0.03], [0.5, 0.1, 0.01]];
+        let plain = plain.into_iter().zip(turns.iter().cycle()).map(|(builtin, turn)| (builtin, &turn[..]));
+        let plants = plants.into_iter().step_by(7).map(|builtin| (builtin, &turns[1][1..2]));
         for (builtin, shares) in plain.chain(plants) {
             let subject = Subject::of(builtin.recipe(&Quiet).unwrap());
             let grown = subject.grow();
@@ -333,7 +333,7 @@ mod tests {
                 checked += 1;
             }
         }
-        assert!(checked > 100, "{checked}");
+        assert!(checked > 60, "{checked}");
     }
 
     /// From where a forest is seen, a tree of a game has some hundreds.

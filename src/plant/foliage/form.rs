@@ -7,6 +7,7 @@
 use glam::{Mat3, Vec2, Vec3};
 
 use super::cluster;
+use super::look::Cover;
 use super::mesh::FoliageError;
 use linden_base::input::TriangleMesh;
 use linden_skeleton::organs::LeafShape;
@@ -25,17 +26,21 @@ pub(super) const MAX_TRIANGLES: usize = 20_000;
 pub(super) fn shapes(
     (index, kind): (usize, &LeafKind),
     lods: &[LodForm],
-    cells: &[Cell],
+    Cover { cells, backs, .. }: &Cover,
     users_mesh: Option<&TriangleMesh>,
 ) -> Result<Vec<LeafShape>, FoliageError> {
     let made = |kind: &LeafKind, variant: usize, cell: &Cell| {
         let users =
             users_mesh.filter(|_| kind.form == Form::Mesh).map(|mesh| users(mesh, cell)).transpose()?;
-        Ok::<_, FoliageError>(match (kind.cluster, users) {
+        let upper = match (kind.cluster, users) {
             (_, None) if kind.form == Form::Mesh => Mesh::default(),
             (Cluster::None, Some(mesh)) => mesh,
             (Cluster::None, None) => single(kind, cell),
             (_, users) => cluster::cluster(kind, variant, cells, users.as_ref())?,
+        };
+        Ok::<_, FoliageError>(match backs.get(variant) {
+            Some(back) => with_back(upper, back.attach - cell.attach),
+            None => upper,
         })
     };
     let lods: Vec<LeafKind> = lods.iter().map(|lod| in_form(kind, index, *lod)).collect::<Result<_, _>>()?;
@@ -44,9 +49,29 @@ pub(super) fn shapes(
         let sketch = sketch(kind, cell, &mesh);
         let is_dome = kind.normals == Normals::Dome;
         let lods = lods.iter().map(|kind| made(kind, variant, cell)).collect::<Result<_, _>>()?;
-        Ok(LeafShape { kind: index as u8, mesh, sketch, color: cell.color, is_dome, lods })
+        let faces = if backs.is_empty() { 1 } else { 2 };
+        Ok(LeafShape { kind: index as u8, mesh, sketch, color: cell.color, is_dome, faces, lods })
     };
     cells.iter().enumerate().map(shape).collect()
+}
+
+/// How far the under side lies below the upper one, in lengths of the leaf: less than it is thick, and enough that
+/// renderers that draw both sides of everything do not mix the two.
+const SHEET_GAP: f32 = 1e-3;
+
+/// A leaf of two sheets, each seen from its own side: the second is the first turned over, with what lies `moved` from it
+/// in the picture.
+fn with_back(mut upper: Mesh, moved: Vec2) -> Mesh {
+    let first = upper.positions.len() as u32;
+    let below = |(&p, &n): (&Vec3, &Vec3)| p - n * SHEET_GAP;
+    upper.positions.extend(upper.positions.iter().zip(&upper.normals).map(below).collect::<Vec<_>>());
+    upper.normals.extend_from_within(..);
+    upper.normals[first as usize..].iter_mut().for_each(|normal| *normal = -*normal);
+    upper.uvs.extend_from_within(..);
+    upper.uvs[first as usize..].iter_mut().for_each(|uv| *uv += moved);
+    let turned = |&[a, b, c]: &[u32; 3]| [a, c, b].map(|vertex| first + vertex);
+    upper.triangles.extend(upper.triangles.iter().map(turned).collect::<Vec<_>>());
+    upper
 }
 
 /// Forms that can stand for each other, with the same picture.

@@ -27,6 +27,8 @@ pub struct Cover {
     pub cutout: Option<f32>,
     /// Where each variant of the organ is in the picture; at least one.
     pub cells: Vec<Cell>,
+    /// Where the under side of each is, in the same order; empty where it looks like the upper one.
+    pub backs: Vec<Cell>,
     /// What passes through the organ.
     pub translucency: Option<Translucency>,
     /// How much of that passes where: see [`Material::passing_picture`](crate::scene::Material::passing_picture).
@@ -70,6 +72,7 @@ pub fn cover(
             normal: None,
             cutout: found.has_alpha.then(|| leaf::cutout(&found.picture)),
             cells: vec![Cell::whole(found)],
+            backs: Vec::new(),
             translucency,
             passing: None,
         });
@@ -84,10 +87,12 @@ pub fn cover(
     }
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
-    let LeafPictures { base_color, cutout, normal, cells } =
+    let LeafPictures { base_color, cutout, normal, cells, backs } =
         specimen.drawn.leaves(look, twig, key, monitor)?;
     let (normal, cutout) = (Some(normal), Some(cutout));
-    Ok(Cover { base_color, normal, cutout, cells, translucency, passing: None })
+    // What passes one face would be lost behind the other: both reflect all of it.
+    let translucency = translucency.filter(|_| backs.is_empty());
+    Ok(Cover { base_color, normal, cutout, cells, backs, translucency, passing: None })
 }
 
 fn translucency(kind: &LeafKind) -> Option<Translucency> {
@@ -131,6 +136,7 @@ pub(super) fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
             _ => kind.petiole.map_or(usual.petiole, |petiole| petiole as f32),
         },
         colors: kind.colors.clone().unwrap_or(usual.colors),
+        back_colors: kind.back_colors.clone().unwrap_or_default(),
         autumn_colors: if kind.evergreen {
             Vec::new()
         } else {
@@ -215,6 +221,7 @@ fn palette(colors: &[[u8; 3]]) -> Cover {
         normal: None,
         cutout: None,
         cells: colors.iter().enumerate().map(cell).collect(),
+        backs: Vec::new(),
         translucency: None,
         passing: None,
     }

@@ -13,6 +13,8 @@ mod calendar;
 mod cluster;
 mod dressed;
 mod fallen;
+#[cfg(test)]
+mod faces_tests;
 mod form;
 mod instances;
 mod look;

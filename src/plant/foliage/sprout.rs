@@ -65,8 +65,8 @@ pub fn sprout(
         let is_there = Calendar::of(kind).is_there(foliage.season as f32);
         // Nothing is drawn for what is out of season.
         if kind.form != Form::None && is_there {
-            let Cover { cells, .. } = cover(specimen, index, kind, small, monitor)?;
-            all.extend(kind_shapes(specimen, index, kind, &cells)?);
+            let cover = cover(specimen, index, kind, small, monitor)?;
+            all.extend(kind_shapes(specimen, index, kind, &cover)?);
         }
         let variants = (PROTOTYPES.len() + all.len()) as u8 - first;
         crops.push(Crop::new(kind, first, variants, foliage.season as f32));
@@ -109,7 +109,7 @@ pub(crate) fn kind_shapes(
     specimen: &Specimen<'_>,
     index: usize,
     kind: &LeafKind,
-    cells: &[crate::texture::leaf::Cell],
+    cover: &Cover,
 ) -> Result<Vec<LeafShape>, FoliageError> {
     let mesh = match (kind.form, &kind.mesh) {
         (Form::Mesh, None) => return Err(FoliageError::NoMesh),
@@ -120,7 +120,7 @@ pub(crate) fn kind_shapes(
         _ => None,
     };
     let lods = if specimen.dressing.detail.is_whole() { &[] } else { &kind.lod_forms.0[..] };
-    shapes((index, kind), lods, cells, mesh.map(|mesh| &**mesh))
+    shapes((index, kind), lods, cover, mesh.map(|mesh| &**mesh))
 }
 
 /// A kind and what is the same for all its leaves.

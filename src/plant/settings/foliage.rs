@@ -179,6 +179,8 @@ pub struct LeafKind {
     pub normals: Normals,
     /// sRGB: the upper side in summer; `None`: as usual for its outline. See [`FoliageSettings::turtle_colors`].
     pub colors: Option<Vec<[u8; 3]>>,
+    /// sRGB: the under side in summer; `None`: as the upper one.
+    pub back_colors: Option<Vec<[u8; 3]>>,
     /// sRGB, from the first change to the last; `None`: as usual for its outline.
     pub autumn_colors: Option<Vec<[u8; 3]>>,
     /// How much leaves differ in tint, 0 to 1.
@@ -257,6 +259,7 @@ impl Default for LeafKind {
             offset_m: 0.0,
             normals: Normals::Flat,
             colors: None,
+            back_colors: None,
             autumn_colors: None,
             tint_spread: 0.5,
             shade: None,

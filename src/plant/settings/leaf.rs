@@ -56,7 +56,7 @@ const SHARE: Field<LeafKind> = field!(
 );
 
 /// What one leaf is and where it stands.
-const LOOKS: [Field<LeafKind>; 36] = [
+const LOOKS: [Field<LeafKind>; 37] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -394,6 +394,20 @@ const LOOKS: [Field<LeafKind>; 36] = [
              young_colors, by default lighter and yellower, in autumn they turn to autumn_colors."
         ),
         see_also(&["young_colors", "autumn_colors", "leaf_tint_spread", "season"])
+    ),
+    field!(
+        "back_colors",
+        Kind::Colors { most: MOST_COLORS, auto: true },
+        "sRGB",
+        "colours of the under side in summer; auto: as the upper side",
+        back_colors,
+        details(
+            "Silver under olives and white poplars, rust under some magnolias. Each leaf then has two faces, a hair apart, \
+             of which each is seen from its own side: twice as many triangles, and no light passes both \
+             (leaf_translucency), so it suits thick leaves. The picture shares its room between the two. In autumn the under \
+             side turns with the upper one. Leaves of a picture or a mesh of yours have none."
+        ),
+        see_also(&["leaf_colors", "leaf_translucency"])
     ),
     field!(
         "autumn_colors",

@@ -170,11 +170,12 @@ impl Kept for BarkPictures {
 impl Kept for LeafPictures {
     fn get(store: &dyn PictureStore, key: PictureKey) -> Option<Self> {
         let ([base_color, normal], about) = get_pair(store, key)?;
-        Some(Self { cutout: leaf::cutout(&base_color), base_color, normal, cells: read_cells(&about)? })
+        let (cells, backs) = read_cells(&about)?;
+        Some(Self { cutout: leaf::cutout(&base_color), base_color, normal, cells, backs })
     }
 
     fn put(&self, store: &dyn PictureStore, key: PictureKey) {
-        put_pair([&self.base_color, &self.normal], &write_cells(&self.cells), store, key);
+        put_pair([&self.base_color, &self.normal], &write_cells(&self.cells, &self.backs), store, key);
     }
 
     fn each(&mut self) -> Vec<&mut Arc<Picture>> {
@@ -186,13 +187,14 @@ impl Kept for LeafPictures {
     }
 }
 
-/// Cells, one after the other: five places, a colour, the number of corners, and the corners.
-fn write_cells(cells: &[Cell]) -> Vec<u8> {
+/// How many cells are backs, then all cells, backs last: five places, a colour, the number of corners, and the corners.
+fn write_cells(cells: &[Cell], backs: &[Cell]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut put = |places: &[Vec2]| {
         bytes.extend(places.iter().flat_map(|at| [at.x.to_le_bytes(), at.y.to_le_bytes()]).flatten());
     };
-    for cell in cells {
+    put(&[Vec2::new(backs.len() as f32, 0.0)]);
+    for cell in cells.iter().chain(backs) {
         let [r, g, b] = cell.color.map(f32::from);
         let corners = Vec2::new(cell.outline.len() as f32, b);
         put(&[cell.min, cell.max, cell.attach, cell.unit, cell.stalk, Vec2::new(r, g), corners]);
@@ -202,10 +204,11 @@ fn write_cells(cells: &[Cell]) -> Vec<u8> {
 }
 
 /// Whatever is not what [`write_cells`] writes is `None`.
-fn read_cells(bytes: &[u8]) -> Option<Vec<Cell>> {
+fn read_cells(bytes: &[u8]) -> Option<(Vec<Cell>, Vec<Cell>)> {
     let (numbers, []) = bytes.as_chunks::<4>() else { return None };
     let (places, []) = numbers.as_chunks::<2>() else { return None };
     let mut places = places.iter().map(|&[x, y]| Vec2::new(f32::from_le_bytes(x), f32::from_le_bytes(y)));
+    let backs = places.next()?.x as usize;
     let mut cells = Vec::new();
     while let Some(min) = places.next() {
         let mut next = || places.next();
@@ -218,7 +221,8 @@ fn read_cells(bytes: &[u8]) -> Option<Vec<Cell>> {
         let color = [red_green.x, red_green.y, corners.y].map(|code| code as u8);
         cells.push(Cell { min, max, attach, unit, outline, color, stalk });
     }
-    Some(cells)
+    let backs = cells.split_off(cells.len().checked_sub(backs)?);
+    Some((cells, backs))
 }
 
 #[cfg(test)]
@@ -317,12 +321,17 @@ mod tests {
 
     #[test]
     fn cells_come_back_to_the_last_bit() {
-        let look = LeafLook { size_px: 64, variants: 5, ..LeafLook::new(Outline::Palmate) };
-        let cells = look.draw(Key::new(2), &Quiet).unwrap().cells;
-        let bytes = write_cells(&cells);
-        assert_eq!(read_cells(&bytes), Some(cells.clone()));
-        assert!(read_cells(&bytes[..bytes.len() - 8]).is_none());
-        assert!(read_cells(&bytes[..bytes.len() - 3]).is_none());
-        assert_eq!(read_cells(&[]), Some(Vec::new()));
+        for back_colors in [vec![], vec![[200, 210, 220]]] {
+            let look =
+                LeafLook { size_px: 64, variants: 5, back_colors, ..LeafLook::new(Outline::Palmate) };
+            let LeafPictures { cells, backs, .. } = look.draw(Key::new(2), &Quiet).unwrap();
+            let bytes = write_cells(&cells, &backs);
+            assert!(read_cells(&bytes[..bytes.len() - 8]).is_none());
+            assert!(read_cells(&bytes[..bytes.len() - 3]).is_none());
+            assert_eq!(read_cells(&bytes), Some((cells, backs)));
+        }
+        assert_eq!(read_cells(&[]), None);
+        // More backs than cells.
+        assert_eq!(read_cells(&[0, 0, 128, 63, 0, 0, 0, 0]), None);
     }
 }

@@ -110,7 +110,7 @@ fn draw_on_ground(
     let view = camera.view(framed, size);
     let cells = Cells::around(&tree_extent, style.draft);
     for part in surface.parts {
-        cells.add_part(part, surface.materials[part.material].double_sided);
+        cells.add_part(part, &surface.materials[part.material]);
     }
     monitor.check()?;
     let air = Air::new(&tree_extent, &view, style, cells.lit(sun(&view)), 1.0);

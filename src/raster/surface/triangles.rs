@@ -71,7 +71,8 @@ struct Seen<'a> {
     texels: Option<Texels>,
     /// Along the side of its picture.
     side: f32,
-    double_sided: bool,
+    /// A leaf.
+    is_sheet: bool,
     /// Texels of less alpha are not there.
     cutout: f32,
     /// Pictures are not halved more often.
@@ -133,7 +134,7 @@ impl<'a> Triangles<'a> {
                 texels: side,
                 double_sided: material.double_sided,
                 // What the skeleton's strokes show in its place. They show no leaves.
-                hair: (!surface.skeleton.positions.is_empty() && !material.double_sided)
+                hair: (!surface.skeleton.positions.is_empty() && !material.is_sheet())
                     .then_some(HAIR_PX * factor as f32),
                 size: [size.width() * factor, size.height() * factor].map(|n| n as f32),
                 scale: view.scale_at_nearness() * factor as f32,
@@ -160,7 +161,7 @@ impl<'a> Triangles<'a> {
                 base_color,
                 texels,
                 side,
-                double_sided: material.double_sided,
+                is_sheet: material.is_sheet(),
                 cutout: material.cutout.unwrap_or(0.0),
                 coarsest,
             });
@@ -296,8 +297,7 @@ impl Lens<'_> {
     fn light(&self, seen: &Seen, vertex: u32) -> Corner {
         let (mesh, vertex) = (&seen.part.mesh, vertex as usize);
         let (place, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
-        // What is seen from both sides is a leaf.
-        let Lit { sun, sky } = if seen.double_sided {
+        let Lit { sun, sky } = if seen.is_sheet {
             self.air.on_leaf(place, normal)
         } else {
             self.air.on_surface(place, normal)
@@ -308,7 +308,7 @@ impl Lens<'_> {
             nearness,
             lit: Lit { sun: sun * self.exposure, sky: sky * self.exposure },
             haze: self.air.thickness(1.0 / nearness),
-            height_m: if seen.double_sided { f32::INFINITY } else { place.y - self.ground_m },
+            height_m: if seen.is_sheet { f32::INFINITY } else { place.y - self.ground_m },
             uv: mesh.uvs[vertex],
         }
     }

@@ -41,7 +41,7 @@ impl Organs {
         let shapes: Vec<f64> = PROTOTYPES
             .iter()
             .map(|prototype| mesh_area(prototype.mesh()))
-            .chain(self.shapes.iter().map(|shape| mesh_area(&shape.mesh)))
+            .chain(self.shapes.iter().map(|shape| mesh_area(&shape.mesh) / f64::from(shape.faces)))
             .collect();
         let placed = self.placed.prototypes.iter().zip(&self.placed.sizes_m).map(|(&prototype, &size_m)| {
             let prototype = usize::from(prototype);

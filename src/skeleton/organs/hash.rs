@@ -24,8 +24,8 @@ impl Organs {
         fingerprint.vectors(ups);
         fingerprint.reals(sizes_m);
         add_origins(&mut fingerprint, growth);
-        // Levels of detail stand for the same organs.
-        for LeafShape { kind, mesh, sketch, color, is_dome, lods: _ } in shapes.iter() {
+        // The mesh has the faces; levels of detail stand for the same organs.
+        for LeafShape { kind, mesh, sketch, color, is_dome, faces: _, lods: _ } in shapes.iter() {
             let [red, green, blue] = *color;
             fingerprint.words([*kind, red, green, blue, u8::from(*is_dome)].map(u32::from));
             add_mesh(&mut fingerprint, mesh);
@@ -76,6 +76,7 @@ mod tests {
             sketch: mesh(30.0),
             color: [1, 2, 3],
             is_dome: false,
+            faces: 1,
             lods: Vec::new(),
         };
         Organs {

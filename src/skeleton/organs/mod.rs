@@ -67,6 +67,9 @@ pub struct LeafShape {
     pub color: [u8; 3],
     /// Whether its normals point out of the crown.
     pub is_dome: bool,
+    /// How often it is there: 1, seen from both sides, or 2, its upper side and then the same from below, each seen from
+    /// its own side.
+    pub faces: u8,
     /// What stands for `mesh` in each level of detail, finest first, the last in all further ones, with texture
     /// coordinates of the same cell. Empty: `mesh` in all.
     pub lods: Vec<Mesh>,

@@ -185,6 +185,7 @@ pub(super) fn draw<'a>(
         normal: Some(normal),
         cutout: Some(CUTOUT),
         cells: vec![whole],
+        backs: Vec::new(),
         translucency,
         passing: translucency.map(|_| passing),
     };

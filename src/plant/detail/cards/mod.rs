@@ -135,6 +135,7 @@ impl Cards {
             mesh,
             color,
             is_dome: true,
+            faces: 1,
             lods: Vec::new(),
         };
         let shapes: Arc<[LeafShape]> = drawn.meshes.into_iter().map(shape).collect();

@@ -69,7 +69,8 @@ pub(super) fn draw(
     );
     let picture = |rgba| Arc::new(Picture::new(size, size, rgba));
     let base_color = picture(colors);
-    Ok(LeafPictures { cutout: cutout(&base_color), base_color, normal: picture(normals), cells })
+    let cutout = cutout(&base_color);
+    Ok(LeafPictures { cutout, base_color, normal: picture(normals), cells, backs: Vec::new() })
 }
 
 /// Where figures go: columns and rows of equal cells, all figures in the same scale and held at the

@@ -7,6 +7,9 @@ use glam::{Affine2, Mat2, Vec2, Vec3};
 
 use linden_base::memory::bytes_of;
 
+/// How much more veins show on the under side of a leaf.
+const UNDER_VEINS: f32 = 1.3;
+
 /// A drawn thing as lines: what [`super::paint`] makes pixels of.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Figure {
@@ -178,6 +181,19 @@ impl Figure {
             piece.transform(by);
             piece
         }));
+    }
+
+    /// The same from behind, as it would be seen through it: what was uppermost is lowest, what bulged is hollow, and
+    /// veins stand out.
+    pub fn turned_over(mut self) -> Self {
+        self.pieces.reverse();
+        for Skin { vein_strength, fold, droop, pillow, lean, .. } in
+            self.pieces.iter_mut().map(|piece| &mut piece.skin)
+        {
+            *vein_strength = (*vein_strength * UNDER_VEINS).min(1.0);
+            (*fold, *droop, *pillow, *lean) = (-*fold, -*droop, -*pillow, -*lean);
+        }
+        self
     }
 
     /// The corners of the box around it.

@@ -70,6 +70,8 @@ pub struct LeafLook {
     pub vein_strength: f32,
     /// Colours of the upper side in summer, sRGB, at least one: variants take them in turn.
     pub colors: Vec<[u8; 3]>,
+    /// Colours of the under side in summer, sRGB; none: it is not drawn.
+    pub back_colors: Vec<[u8; 3]>,
     /// Colours in autumn, sRGB, from the first change to the last; none: leaves stay as in summer.
     pub autumn_colors: Vec<[u8; 3]>,
     /// Colour of the veins, sRGB; `None`: paler than the blade.
@@ -162,6 +164,9 @@ pub struct LeafPictures {
     pub normal: Arc<Picture>,
     /// Where each variant is; they do not touch.
     pub cells: Vec<Cell>,
+    /// Where the under side of each is, if it is drawn: as it is seen through the upper one, so that the two cover
+    /// each other.
+    pub backs: Vec<Cell>,
 }
 
 /// One variant's place in an atlas. Texture coordinates: 0 to 1, V up, the origin in the lower left
@@ -248,6 +253,7 @@ impl LeafLook {
             veins: usual.veins,
             vein_strength: 1.0,
             colors: usual.colors.to_vec(),
+            back_colors: Vec::new(),
             autumn_colors: usual.autumn_colors.to_vec(),
             vein_color: None,
             young_colors: Vec::new(),
@@ -345,17 +351,23 @@ impl LeafLook {
             return Err(LeafError::Variants(self.variants));
         }
         let look = &self.bounded();
+        let sides = if look.back_colors.is_empty() { 1 } else { 2 };
         // A twig's leaves are like the first; some are there twice while it is put together.
         let first = compound::leaf(look, &Tint::new(look, 0, key.named("tint")), key).bytes();
         let leaves = twig.map_or(1, |twig| u64::from(twig.leaves.clamp(1, TwigLook::MAX_LEAVES)));
-        let bytes = first * leaves * u64::from(self.variants) * 3 / 2;
+        let bytes = first * leaves * u64::from(sides * self.variants) * 3 / 2;
         monitor.admit("drawing leaves", bytes, "lower leaf_size or twig_leaves")?;
-        let figures: Vec<_> = (0..self.variants)
+        let under = &Self { colors: look.back_colors.clone(), ..look.clone() };
+        // All upper sides, then the same figures from below: no outline hangs on a colour.
+        let figures: Vec<_> = (0..sides * self.variants)
             .into_par_iter()
-            .map(|variant| {
+            .map(|figure| {
                 monitor.check()?;
+                let variant = figure % self.variants;
+                let is_under = figure >= self.variants;
+                let look = if is_under { under } else { look };
                 let key = key.child(u64::from(variant));
-                Ok(match twig {
+                let figure = match twig {
                     Some(twig) => twig::twig(look, twig, variant, key),
                     None => {
                         let tint = Tint::new(look, variant, key.named("tint"));
@@ -366,10 +378,13 @@ impl LeafLook {
                             figure
                         }
                     }
-                })
+                };
+                Ok(if is_under { figure.turned_over() } else { figure })
             })
             .collect::<Result<_, Cancelled>>()?;
-        atlas::draw(&figures, self.size_px, key, monitor)
+        let mut pictures = atlas::draw(&figures, self.size_px, key, monitor)?;
+        pictures.backs = pictures.cells.split_off(self.variants as usize);
+        Ok(pictures)
     }
 }
 
