@@ -30,6 +30,12 @@ pub(super) trait Sink {
     /// identified module ([`Program::commands`]).
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError>;
 
+    /// All that becomes of a module written in the step `birth`: how many modules these are, where the sink
+    /// knows them and has taken them. Only asked where nothing is computed from what stands around.
+    fn take_all(&mut self, _module: u32, _birth: u32) -> Option<u64> {
+        None
+    }
+
     /// One module whose arguments were computed: all finite, at least one, the first in the range of
     /// the turtle's command. A length may be so short, or 0, that there is nothing to draw.
     fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError>;
@@ -50,7 +56,7 @@ pub enum Way {
     /// first where no rule looks at its context.
     #[default]
     Best,
-    /// Module by module, depth first where no rule looks at its context, else breadth first.
+    /// Without copies of what was drawn: depth first where no rule looks at its context, else breadth first.
     Walk,
     /// Whole strings in memory, step by step, in parallel.
     BreadthFirst,
@@ -205,14 +211,20 @@ impl<'a, S: Sink> Outlet<'a, S> {
     }
 
     /// Modules with constant arguments.
+    #[inline]
     fn give(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
-        for some in modules.chunks(PATIENCE as usize) {
-            self.given += some.len() as u64;
-            self.check_limit(self.given)?;
-            self.sink.take(some, birth)?;
-            self.spend(some.len() as u64)?;
+        if modules.len() as u64 > PATIENCE {
+            return self.give_many(modules, birth);
         }
-        Ok(())
+        self.given += modules.len() as u64;
+        self.check_limit(self.given)?;
+        self.sink.take(modules, birth)?;
+        self.spend(modules.len() as u64)
+    }
+
+    #[cold]
+    fn give_many(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
+        modules.chunks(PATIENCE as usize).try_for_each(|some| self.give(some, birth))
     }
 
     /// A module with computed arguments.
@@ -229,6 +241,7 @@ impl<'a, S: Sink> Outlet<'a, S> {
     }
 
     /// A whole word that is not rewritten any more, of a module at `place`.
+    #[inline]
     fn word(
         &mut self,
         word: Word,
@@ -257,22 +270,28 @@ impl<'a, S: Sink> Outlet<'a, S> {
         self.give(&modules[next..], birth)
     }
 
+    #[inline]
     fn check_limit(&self, symbols: u64) -> Result<(), LsystemError> {
-        let TurtleSettings { derivations, seed, symbol_limit: limit, .. } = *self.settings;
-        if symbols > limit {
-            let random = self.program.random;
-            return Err(LsystemError::GrewPastLimit { derivations, seed: random.then_some(seed), limit });
-        }
-        Ok(())
+        if symbols > self.settings.symbol_limit { Err(self.past_limit()) } else { Ok(()) }
     }
 
+    #[cold]
+    fn past_limit(&self) -> LsystemError {
+        let TurtleSettings { derivations, seed, symbol_limit: limit, .. } = *self.settings;
+        LsystemError::GrewPastLimit { derivations, seed: self.program.random.then_some(seed), limit }
+    }
+
+    #[inline]
     fn spend(&mut self, symbols: u64) -> Result<(), LsystemError> {
         self.spent += symbols;
-        if self.spent >= PATIENCE {
-            self.spent = 0;
-            self.monitor.check()?;
-            self.monitor.advance(Phase::Turtle, self.given, self.total);
-        }
+        if self.spent >= PATIENCE { self.look_up() } else { Ok(()) }
+    }
+
+    #[cold]
+    fn look_up(&mut self) -> Result<(), LsystemError> {
+        self.spent = 0;
+        self.monitor.check()?;
+        self.monitor.advance(Phase::Turtle, self.given, self.total);
         Ok(())
     }
 }

@@ -77,6 +77,12 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
             }
             continue;
         };
+        if let Some(symbols) = outlet.sink.take_all(id, birth) {
+            outlet.given += symbols;
+            outlet.check_limit(outlet.given)?;
+            outlet.spend(symbols)?;
+            continue;
+        }
         let Frame { word, key, parameters, .. } = *frame;
         let top = values.len();
         let entry = &program.modules[id as usize];
@@ -125,7 +131,23 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
 }
 
 /// The step in which a module of a step is rewritten, and to what; `None` when it is kept to the end.
+#[inline]
 fn successor<S: Sink>(
+    outlet: &mut Outlet<'_, S>,
+    id: u32,
+    arguments: &[f64],
+    place: Key,
+    birth: u32,
+) -> Result<Option<(u32, Word)>, LsystemError> {
+    let program = outlet.program;
+    if let Some(word) = program.certain(id) {
+        return Ok(Some((birth + 1, word)));
+    }
+    chosen(outlet, id, arguments, place, birth)
+}
+
+/// The same where conditions or chance decide.
+fn chosen<S: Sink>(
     outlet: &mut Outlet<'_, S>,
     id: u32,
     arguments: &[f64],

@@ -97,10 +97,7 @@ impl<'a> Flat<'a> {
             });
             successors.push(match program.rewrite(id) {
                 None => None,
-                Some(rewrite) => {
-                    let group = program.groups(rewrite).first().filter(|group| group.is_certain())?;
-                    Some(program.alternatives(group).first()?.word)
-                }
+                Some(_) => Some(program.certain(id)?),
             });
         }
         let (segments, symbols) =

@@ -100,6 +100,7 @@ impl<'a> Compiler<'a> {
             first_kept: 0,
             first_plain: 0,
             classes: Vec::new(),
+            certain: Vec::new(),
             random,
             random_arguments,
             contexts: Contexts {
@@ -119,6 +120,7 @@ impl<'a> Compiler<'a> {
             axiom,
         };
         program.sort(&self.classes);
+        program.find_certain();
         program.find_vanishing();
         program
     }

@@ -22,6 +22,8 @@ pub(super) struct Program {
     pub first_plain: u32,
     /// What the first modules are rewritten to: index into [`Self::rewrites`].
     classes: Vec<u32>,
+    /// The words of the first modules that become one word whatever their arguments are.
+    certain: Vec<Option<Word>>,
     /// By symbol and number of arguments.
     pub rewrites: Vec<Rewrite>,
     /// Of all rewrites, end to end.
@@ -202,6 +204,12 @@ impl Program {
         self.classes.get(id as usize).map(|&class| class as usize)
     }
 
+    /// The word that a module becomes in its next step, if that is the same always.
+    #[inline]
+    pub(super) fn certain(&self, id: u32) -> Option<Word> {
+        self.certain.get(id as usize).copied().flatten()
+    }
+
     pub(super) fn groups(&self, rewrite: &Rewrite) -> &[Group] {
         &self.groups[rewrite.groups.start as usize..rewrite.groups.end as usize]
     }
@@ -235,6 +243,18 @@ impl Program {
         self.modules
             .iter()
             .map(|entry| (Command::of(entry.symbol).unwrap_or(Command::Silent), &entry.constants[..]))
+    }
+
+    /// Fills in what [`Self::certain`] gives.
+    fn find_certain(&mut self) {
+        let of_class = |&class: &u32| {
+            let group = self.groups(&self.rewrites[class as usize]).first()?;
+            match self.alternatives(group) {
+                [alternative] if group.is_certain() => Some(alternative.word),
+                _ => None,
+            }
+        };
+        self.certain = self.classes.iter().map(of_class).collect();
     }
 
     /// A module vanishes in one step more than the slowest module of its successors. Settles what
