@@ -35,6 +35,7 @@ impl Turn {
     }
 
     /// Turns two axes of a frame in their plane, the first towards the second.
+    #[inline]
     fn apply(self, first: &mut DVec3, second: &mut DVec3) {
         let (a, b) = (*first, *second);
         *first = a * self.cos + b * self.sin;
@@ -67,6 +68,8 @@ impl Frame {
     /// Looking up, its left at −X.
     pub const START: Self = Self { heading: DVec3::Y, left: DVec3::NEG_X, up: DVec3::Z, turns: 0 };
 
+    #[expect(clippy::inline_always, reason = "a call would send the frame through memory")]
+    #[inline(always)]
     pub fn turn(&mut self, axis: Axis, turn: Turn) {
         match axis {
             Axis::Yaw => turn.apply(&mut self.heading, &mut self.left),
@@ -76,14 +79,20 @@ impl Frame {
         self.count_turn();
     }
 
+    #[inline]
     fn count_turn(&mut self) {
         self.turns += 1;
         if self.turns == MAX_TURNS {
-            self.turns = 0;
-            self.heading = self.heading.normalize();
-            self.left = (self.left - self.heading * self.left.dot(self.heading)).normalize();
-            self.up = self.heading.cross(self.left);
+            *self = self.orthonormal();
         }
+    }
+
+    /// By value, so that a frame can stay in registers where it is turned.
+    #[cold]
+    fn orthonormal(self) -> Self {
+        let heading = self.heading.normalize();
+        let left = (self.left - heading * self.left.dot(heading)).normalize();
+        Self { heading, left, up: heading.cross(left), turns: 0 }
     }
 
     /// `$`: L = V × H / |V × H|, U = H × L with V straight up (ABOP, section 2.2.1). With H vertical

@@ -212,22 +212,94 @@ impl<'a> Turtle<'a> {
         (self.branching, organs)
     }
 
-    fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> Result<u32, OverMemory> {
+    /// A node with an edge to its parent; `width` is that of the segment between them.
+    #[expect(clippy::inline_always, reason = "a call would send the turtle's state through memory")]
+    #[inline(always)]
+    fn node(
+        &mut self,
+        position: Vec3,
+        (parent, edge): (u32, Edge),
+        width: f64,
+        birth: u32,
+    ) -> Result<u32, OverMemory> {
         if self.branching.positions.len() == self.branching.positions.capacity() {
-            let others = self.bytes() - self.branching.bytes() + self.beside;
-            self.branching.make_room(DOING, ADVICE, &Holding::new(self.monitor, others))?;
+            self.make_room_for_node()?;
         }
-        self.branching.positions.push(position.as_vec3());
+        self.branching.positions.push(position);
         self.branching.parents.push(parent);
         self.branching.births.push(birth);
         if let Some(edges) = &mut self.branching.edges {
-            edges.push(if parent == NO_PARENT { Edge::Succeeds } else { self.state.edge });
+            edges.push(edge);
         }
         if let Some(radii) = &mut self.branching.radii {
-            let radius_m = 0.5 * self.state.width * self.settings.segment_width_m;
+            let radius_m = 0.5 * width * self.settings.segment_width_m;
             radii.push(radius_m.clamp(RADII_M[0], RADII_M[1]) as f32);
         }
         Ok(self.branching.positions.len() as u32 - 1)
+    }
+
+    #[cold]
+    fn make_room_for_node(&mut self) -> Result<(), OverMemory> {
+        let others = self.bytes() - self.branching.bytes() + self.beside;
+        self.branching.make_room(DOING, ADVICE, &Holding::new(self.monitor, others))
+    }
+
+    /// Whether the next module is neither in an outline nor the name of an organ, and nothing is left to chance
+    /// or bent.
+    fn is_plain(&self) -> bool {
+        !self.is_placing
+            && !self.herbarium.is_outlining()
+            && self.chance.is_none()
+            && self.settings.susceptibility == 0.0
+    }
+
+    /// Obeys modules as [`Self::obey`] does, as long as they only draw wood, turn, branch and change what is drawn.
+    /// Gives how many these were; asks for a turtle that [is plain](Self::is_plain).
+    fn go(&mut self, modules: &[u32], birth: u32) -> Result<usize, LsystemError> {
+        // Apart, so that they stay in registers from module to module; a whole state would be copied to
+        // memory and back by each bracket.
+        let State { mut position, mut frame, mut anchor, mut is_adrift, mut node, .. } = self.state;
+        let State { mut edge, mut color, mut width, .. } = self.state;
+        let mut taken = 0;
+        for &id in modules {
+            match self.actions[id as usize] {
+                Action::Nothing => {}
+                Action::Turn(axis, turn) => frame.turn(axis, turn),
+                Action::Draw { length_m, .. } => {
+                    let Anchor::Node(start) = anchor else { break };
+                    if is_adrift || length_m == 0.0 {
+                        break;
+                    }
+                    position += frame.heading * length_m;
+                    let place = position.as_vec3();
+                    // What single precision cannot show is no segment.
+                    if place != self.branching.positions[start as usize] {
+                        node = self.node(place, (start, edge), width, birth)?;
+                        anchor = Anchor::Node(node);
+                        edge = Edge::Succeeds;
+                    }
+                }
+                Action::Push if self.stack.len() < MAX_NESTING => {
+                    self.stack.push(State { position, frame, anchor, is_adrift, node, edge, color, width });
+                    edge = Edge::Branches;
+                    self.shared_feet = self.feet.len();
+                }
+                Action::Pop => {
+                    if let Some(state) = self.stack.pop() {
+                        State { position, frame, anchor, is_adrift, node, edge, color, width } = state;
+                    }
+                }
+                Action::TurnAround => frame.turn(Axis::Yaw, Turn::HALF),
+                Action::Width(new) => width = new,
+                Action::Thinner => width *= self.settings.width_ratio,
+                Action::Color(new) => color = new,
+                Action::NextColor => color = color.saturating_add(1),
+                _ => break,
+            }
+            taken += 1;
+        }
+        self.state = State { position, frame, anchor, is_adrift, node, edge, color, width };
+        Ok(taken)
     }
 
     fn draw(&mut self, length_m: f64, birth: u32) -> Result<(), OverMemory> {
@@ -244,8 +316,10 @@ impl<'a> Turtle<'a> {
         let length_m = self.chance.as_mut().map_or(length_m, |chance| chance.length_m(length_m));
         self.state.position += self.state.frame.heading * length_m;
         // What single precision cannot show is no segment.
-        if self.state.position.as_vec3() != self.branching.positions[start as usize] {
-            let node = self.node(self.state.position, start, birth)?;
+        let State { position, edge, width, .. } = self.state;
+        let position = position.as_vec3();
+        if position != self.branching.positions[start as usize] {
+            let node = self.node(position, (start, edge), width, birth)?;
             self.state.anchor = Anchor::Node(node);
             self.state.node = node;
             self.state.edge = Edge::Succeeds;
@@ -261,7 +335,8 @@ impl<'a> Turtle<'a> {
         if let Some(node) = self.feet[foot].node {
             return Ok(node);
         }
-        let node = self.node(self.state.position, NO_PARENT, birth)?;
+        let State { position, width, .. } = self.state;
+        let node = self.node(position.as_vec3(), (NO_PARENT, Edge::Succeeds), width, birth)?;
         self.feet[foot].node = Some(node);
         Ok(node)
     }
@@ -440,13 +515,22 @@ impl State {
 
 impl Sink for Turtle<'_> {
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
-        for &id in modules {
+        let mut rest = modules;
+        while let [id, more @ ..] = rest {
+            if self.is_plain() {
+                let taken = self.go(rest, birth)?;
+                if taken > 0 {
+                    rest = &rest[taken..];
+                    continue;
+                }
+            }
             if self.is_placing {
-                let (letter, size) = self.names[id as usize];
+                let (letter, size) = self.names[*id as usize];
                 self.place(letter, size, birth)?;
             } else {
-                self.obey(self.actions[id as usize], birth)?;
+                self.obey(self.actions[*id as usize], birth)?;
             }
+            rest = more;
         }
         Ok(())
     }
