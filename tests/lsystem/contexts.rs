@@ -1,6 +1,6 @@
 //! Rules that look at what stands around a module (ABOP, section 1.8).
 
-use linden::lsystem::{Grammar, TurtleSettings, Way, derive_by, forecast};
+use linden::lsystem::{Grammar, TurtleSettings, Way, derive_by, derive_string, forecast};
 
 fn derived(axiom: &str, rules: &[&str], derivations: u32) -> String {
     let grammar = Grammar::new(axiom, rules).unwrap();
@@ -84,6 +84,34 @@ fn contexts_bind_parameters() {
     // Diffusion: every cell becomes the mean of itself and its neighbours.
     let rules = ["M(a) < M(x) > M(b) -> M((a+x+b)/3)"];
     assert_eq!(derived("M(0)M(3)M(0)M(0)", &rules, 1), "M(0)M(1)M(1)M(0)");
+}
+
+/// What neighbours become is computed together, but where something is left to chance.
+#[test]
+fn neighbours_are_computed_as_each_alone() {
+    let axiom: String = (0..100).map(|cell| format!("M({})", cell * cell % 17)).collect();
+    let rules =
+        ["M(a) < M(x) > M(b) -> M((a+x+b)/3)N(x-a,-b)", "N(p,q) < M(x) > N(r,s) -> M(min(x,p)+r*s)F(x-q)"];
+    let chance = [&rules[..], &["Z -> (0.5) Z", "Z -> (0.5) ZZ"]].concat();
+    for derivations in 1..=4 {
+        assert_eq!(derived(&axiom, &rules, derivations), derived(&axiom, &chance, derivations));
+    }
+}
+
+#[test]
+fn the_first_neighbour_that_gets_no_number_is_named() {
+    let axiom: String = (0..30).map(|cell| format!("M({cell})")).collect();
+    let grammar = Grammar::new(&axiom, &["M(a) < M(x) -> M(1/((x-7)*(12-x)))N(a/(x-9))"]).unwrap();
+    let error = |derivations| {
+        let settings = TurtleSettings { derivations, ..TurtleSettings::default() };
+        derive_string(&grammar, &settings).unwrap_err().to_string()
+    };
+    assert!(error(1).contains("gives M(inf)"), "{}", error(1));
+    assert!(error(2).contains("derivation 1 gives M(inf)"), "{}", error(2));
+    let grammar = Grammar::new(&axiom, &["M(a) < M(x) -> M(1/((x-7)*(12-x)))N(a/(x-5))"]).unwrap();
+    let settings = TurtleSettings { derivations: 2, ..TurtleSettings::default() };
+    let error = derive_string(&grammar, &settings).unwrap_err().to_string();
+    assert!(error.contains("derivation 1 gives N(inf)"), "{error}");
 }
 
 #[test]

@@ -34,7 +34,11 @@ pub(super) trait Modules: Sync {
     /// The module's identifier in [`Program::modules`].
     fn id(&self, index: usize) -> u32;
     fn entry(&self, index: usize) -> &Entry;
-    fn arguments(&self, index: usize) -> &[f64];
+    /// The entry, and the arguments.
+    fn module(&self, index: usize) -> (&Entry, &[f64]);
+    fn arguments(&self, index: usize) -> &[f64] {
+        self.module(index).1
+    }
     fn count(&self) -> usize;
 }
 
@@ -77,30 +81,37 @@ impl Neighbours {
     }
 
     /// Whether the contexts of a group stand around a module. Their arguments, and those of the module,
-    /// are then in `parameters`. Counts its steps in `work`.
+    /// are then in `parameters`, which has room for them. Counts its steps in `work`.
+    #[inline]
     pub(super) fn surround(
         &self,
         group: &Group,
         string: &impl Modules,
         index: usize,
-        parameters: &mut Vec<f64>,
+        parameters: &mut [f64],
         work: &mut u64,
     ) -> bool {
-        // Those of a group that fits are all written below.
-        parameters.resize(group.parameters, 0.0);
-        let arguments = string.arguments(index);
-        put(parameters, group.arguments_at, arguments);
-        if !group.left.is_empty() {
-            let mut at = self.left[index];
-            for sought in group.left.iter().copied() {
-                *work += 1;
-                if !is_found(sought, string, at, parameters) {
-                    return false;
-                }
-                at = self.left[at as usize];
+        put(parameters, group.arguments_at, string.arguments(index));
+        let mut at = index as u32;
+        for &sought in &group.left {
+            *work += 1;
+            at = self.left[at as usize];
+            if !is_found(sought, string, at, parameters) {
+                return false;
             }
         }
-        group.right.is_empty() || self.follows(&group.right, string, index, parameters, work)
+        at = index as u32;
+        for (i, &sought) in group.right.iter().enumerate() {
+            if !matches!(sought, Sought::Module { .. }) {
+                return self.follows(&group.right[i..], string, at, parameters, work);
+            }
+            *work += 1;
+            at = self.right[at as usize];
+            if !is_found(sought, string, at, parameters) {
+                return false;
+            }
+        }
+        true
     }
 
     /// Whether a right context follows a module.
@@ -111,7 +122,7 @@ impl Neighbours {
         &self,
         sought: &[Sought],
         string: &impl Modules,
-        index: usize,
+        index: u32,
         parameters: &mut [f64],
         work: &mut u64,
     ) -> bool {
@@ -125,8 +136,8 @@ impl Neighbours {
         }
         let mut open: Vec<Branch> = Vec::new();
         // What the next module is the right neighbour of, and from where the next branch is looked for.
-        let mut axis = index as u32;
-        let mut branches = index + 1;
+        let mut axis = index;
+        let mut branches = index as usize + 1;
         let mut i = 0;
         while let Some(&wanted) = sought.get(i) {
             *work += 1;
@@ -228,20 +239,34 @@ fn renew(list: &mut Vec<u32>, count: usize) {
     list.resize(count, NOTHING);
 }
 
+#[expect(
+    clippy::inline_always,
+    reason = "asked for each neighbour of each module: a call takes as long again"
+)]
+#[inline(always)]
 fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f64]) -> bool {
     let Sought::Module { kind, first } = sought else { return false };
-    if at == NOTHING || string.entry(at as usize).kind != kind {
+    if at == NOTHING {
         return false;
     }
-    put(parameters, first as usize, string.arguments(at as usize));
-    true
+    let (entry, arguments) = string.module(at as usize);
+    let is_found = entry.kind == kind;
+    if is_found {
+        put(parameters, first as usize, arguments);
+    }
+    is_found
 }
 
-/// Puts a module's arguments among the parameters: one by one, since they are few.
+/// Puts a module's arguments among the parameters. Most have one or two: a call that copies takes longer than these.
 #[inline]
 fn put(parameters: &mut [f64], first: usize, arguments: &[f64]) {
-    let places = &mut parameters[first..first + arguments.len()];
-    places.iter_mut().zip(arguments).for_each(|(place, argument)| *place = *argument);
+    let places = &mut parameters[first..];
+    match *arguments {
+        [] => {}
+        [only] => places[0] = only,
+        [one, other] => [places[0], places[1]] = [one, other],
+        _ => places[..arguments.len()].copy_from_slice(arguments),
+    }
 }
 
 /// How many modules of a string a cut at `index` takes: up to the end of the branch.

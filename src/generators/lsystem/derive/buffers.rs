@@ -7,17 +7,19 @@
 
 use rayon::prelude::*;
 
-use super::{Outlet, Sink, chance, compute, root};
+use super::slot::Slot;
+use super::{Outlet, Sink, root};
 use crate::context::{Modules, Neighbours, rest_of_branch};
 use crate::error::LsystemError;
-use crate::expression::code::Inputs;
-use crate::program::{Entry, Group, Program};
+use crate::program::{Entry, Group, Program, Word};
 use crate::turtle_settings::TurtleSettings;
 use linden_base::monitor::{Monitor, Phase, Quiet};
 use linden_base::random::Key;
 
 /// Modules that are looked at in one go: some ten microseconds.
 const CHUNK: usize = 1 << 12;
+/// Neighbours that become the same word are written together from here on.
+const MANY: usize = 8;
 /// A choice that is none: the module stays.
 const KEEP: u32 = u32::MAX;
 /// The module is cut.
@@ -52,13 +54,13 @@ impl Modules for Text<'_> {
     }
 
     #[inline]
-    fn arguments(&self, index: usize) -> &[f64] {
+    fn module(&self, index: usize) -> (&Entry, &[f64]) {
         let entry = self.entry(index);
         if !entry.is_computed() {
-            return &entry.constants;
+            return (entry, &entry.constants);
         }
         let start = self.buffer.starts[index] as usize;
-        &self.buffer.values[start..start + entry.arity as usize]
+        (entry, &self.buffer.values[start..start + entry.arity as usize])
     }
 
     fn count(&self) -> usize {
@@ -74,6 +76,10 @@ struct Size {
 }
 
 impl Size {
+    fn of(word: Word) -> Self {
+        Self { modules: word.len() as u64, values: word.values.into() }
+    }
+
     fn sum(sizes: &[Self]) -> Self {
         let mut sum = Self::default();
         for &size in sizes {
@@ -86,8 +92,7 @@ impl Size {
     fn bytes(self, program: &Program) -> u64 {
         let chance = if program.random { size_of::<Key>() as u64 } else { 0 };
         let computed = if self.values > 0 { size_of::<u32>() as u64 } else { 0 };
-        let bound = program.groups.iter().filter(|group| group.has_context()).map(|group| group.parameters);
-        let bound = (bound.max().unwrap_or(0) * size_of::<f64>()) as u64;
+        let bound = (most_bound(program) * size_of::<f64>()) as u64;
         // What it is, when it was written, what becomes of it.
         let module =
             3 * size_of::<u32>() as u64 + chance + computed + bound + Neighbours::bytes_a_module(program);
@@ -104,16 +109,59 @@ impl std::ops::AddAssign for Size {
     }
 }
 
+/// Makes a list this long, in no larger a place than that takes or was there. What it held may be gone.
+fn fit<T: Clone>(list: &mut Vec<T>, count: usize, value: T) {
+    if list.capacity() < count {
+        *list = Vec::new();
+        list.reserve_exact(count);
+    }
+    list.resize(count, value);
+}
+
+/// The most parameters of a group with contexts.
+fn most_bound(program: &Program) -> usize {
+    let with_context = program.groups.iter().filter(|group| group.has_context());
+    with_context.map(|group| group.parameters).max().unwrap_or(0)
+}
+
+/// Lists that one step after another fills.
+#[derive(Default)]
+pub(super) struct Lists {
+    neighbours: Neighbours,
+    choices: Vec<u32>,
+    bound: Vec<Vec<f64>>,
+    /// A string that is not needed any more; the next one takes its place.
+    pub spare: Buffer,
+}
+
 /// One derivation step over a string.
 pub(super) struct Step<'a> {
-    text: Text<'a>,
-    neighbours: &'a Neighbours,
+    view: View<'a>,
     /// What becomes of each module: an alternative, [`KEEP`] or [`DROP`].
-    pub choices: Vec<u32>,
+    pub choices: &'a mut [u32],
     /// By chunk, one after another: the parameters of all groups with contexts that were chosen, as long as nothing
     /// is cut.
-    bound: Vec<Vec<f64>>,
+    bound: &'a [Vec<f64>],
+    /// What each chunk becomes.
+    sizes: Vec<Size>,
+    spare: &'a mut Buffer,
+}
+
+/// What rules look at in a step.
+struct View<'a> {
+    text: Text<'a>,
+    neighbours: &'a Neighbours,
+    /// The most parameters of a group with contexts.
+    most_bound: usize,
     number: u32,
+}
+
+/// What was chosen for a chunk.
+#[derive(Clone, Copy)]
+struct Chosen {
+    size: Size,
+    /// Whether something cuts what follows.
+    cuts: bool,
 }
 
 /// Modules that are looked at in a trial: about half a millisecond.
@@ -131,7 +179,7 @@ pub(crate) struct Trial {
 /// Derives from the seed 0 for as long as that takes no time to speak of.
 pub(crate) fn count(program: &Program, derivations: u32) -> Trial {
     let settings = TurtleSettings::default();
-    let mut neighbours = Neighbours::default();
+    let mut lists = Lists::default();
     let mut work = 0;
     let mut step = 0;
     let mut string = axiom(program, &settings).ok();
@@ -141,11 +189,10 @@ pub(crate) fn count(program: &Program, derivations: u32) -> Trial {
     {
         work += TRIAL_STEP + buffer.modules.len();
         step += 1;
-        let next = Step::choose(program, buffer, &mut neighbours, step, &Quiet).and_then(|step| {
-            let sizes = step.sizes();
-            let count = sizes.iter().map(|size| size.modules as usize).sum::<usize>();
+        let next = Step::choose(program, buffer, &mut lists, step, &Quiet).and_then(|step| {
+            let count = Size::sum(&step.sizes).modules as usize;
             // One word may hold a million modules.
-            if work + count > 2 * TRIAL { Ok(None) } else { step.write(&sizes).map(Some) }
+            if work + count > 2 * TRIAL { Ok(None) } else { step.write().map(Some) }
         });
         match next {
             Ok(Some(next)) => string = Some(next),
@@ -168,16 +215,17 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
         return outlet.word(program.axiom, &[], root(settings), 0, &mut scratch);
     }
     let mut string = axiom(program, settings)?;
-    let mut neighbours = Neighbours::default();
+    let mut lists = Lists::default();
     for number in 1..last {
         outlet.monitor.check()?;
-        let step = Step::choose(program, &string, &mut neighbours, number, outlet.monitor)?;
+        let step = Step::choose(program, &string, &mut lists, number, outlet.monitor)?;
         let next = step.apply(outlet)?;
-        string = next;
+        lists.spare = std::mem::replace(&mut string, next);
         outlet.monitor.advance(Phase::Derive, string.modules.len() as u64, None);
     }
+    lists.spare = Buffer::default();
     outlet.sink.hold_beside(string.size().bytes(program));
-    let step = Step::choose(program, &string, &mut neighbours, last, outlet.monitor)?;
+    let step = Step::choose(program, &string, &mut lists, last, outlet.monitor)?;
     step.hand_on(outlet)
 }
 
@@ -194,69 +242,50 @@ pub(super) fn axiom(program: &Program, settings: &TurtleSettings) -> Result<Buff
     Ok(buffer)
 }
 
-impl<'a> Step<'a> {
-    /// Chooses what becomes of every module.
-    pub(super) fn choose(
-        program: &'a Program,
-        buffer: &'a Buffer,
-        neighbours: &'a mut Neighbours,
-        number: u32,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, LsystemError> {
-        let text = Text { program, buffer };
-        neighbours.find(program, &text);
-        let mut choices = vec![KEEP; text.count()];
-        let step = Self { text, neighbours, choices: Vec::new(), bound: Vec::new(), number };
-        let outcomes: Vec<Result<(bool, Vec<f64>), LsystemError>> = choices
-            .par_chunks_mut(CHUNK)
-            .enumerate()
-            .map(|(i, chunk)| step.choose_chunk(i * CHUNK, chunk, monitor))
-            .collect();
-        let mut cuts = false;
-        let mut bound = Vec::with_capacity(outcomes.len());
-        for outcome in outcomes {
-            let (cuts_some, parameters) = outcome?;
-            cuts |= cuts_some;
-            bound.push(parameters);
-        }
-        let mut step = Self { choices, bound, ..step };
-        if cuts {
-            step.cut();
-            step.bound.clear();
-        }
-        Ok(step)
-    }
-
-    /// Chooses for some modules from `first` on. Whether some of what was chosen cuts what follows, and the
-    /// parameters of chosen groups with contexts.
-    fn choose_chunk(
+impl<'a> View<'a> {
+    /// Chooses for some modules from `first` on. The parameters of chosen groups with contexts are then in
+    /// `bound`, one after another.
+    fn choose(
         &self,
         first: usize,
         choices: &mut [u32],
+        bound: &mut Vec<f64>,
         monitor: &dyn Monitor,
-    ) -> Result<(bool, Vec<f64>), LsystemError> {
+    ) -> Result<Chosen, LsystemError> {
         monitor.check()?;
         let program = self.text.program;
-        let mut parameters = Vec::new();
-        let mut bound = Vec::new();
-        let mut cuts = false;
+        fit(bound, choices.len() * self.most_bound, 0.0);
+        let mut at = 0;
+        let mut chosen = Chosen { size: Size::default(), cuts: false };
         let mut work = 0;
-        for (i, choice) in choices.iter_mut().enumerate() {
-            let index = first + i;
-            if let Some(group) = self.matching(index, &mut parameters, &mut work) {
-                let chosen = program.choose(group, self.key(index));
-                cuts |= program.alternatives[chosen].word.cuts;
-                *choice = chosen as u32;
-                if group.has_context() {
-                    bound.extend(parameters.iter().copied());
+        for (index, choice) in (first..).zip(choices) {
+            *choice = match self.matching(index, &mut bound[at..], &mut work) {
+                None => {
+                    chosen.size += self.size_of_kept(index);
+                    KEEP
                 }
-            }
+                Some(group) => {
+                    let alternative = program.choose(group, self.key(index));
+                    let word = program.alternatives[alternative].word;
+                    chosen.size += Size::of(word);
+                    chosen.cuts |= word.cuts;
+                    if group.has_context() {
+                        at += group.parameters;
+                    }
+                    alternative as u32
+                }
+            };
             if work >= super::PATIENCE {
                 work = 0;
                 monitor.check()?;
             }
         }
-        Ok((cuts, bound))
+        Ok(chosen)
+    }
+
+    fn size_of_kept(&self, index: usize) -> Size {
+        let entry = self.text.entry(index);
+        Size { modules: 1, values: if entry.is_computed() { entry.arity.into() } else { 0 } }
     }
 
     fn key(&self, index: usize) -> Key {
@@ -264,25 +293,53 @@ impl<'a> Step<'a> {
         self.text.buffer.keys.get(index).copied().unwrap_or(Key::new(0))
     }
 
-    /// The first group that takes a module; its parameters are then in `parameters`.
-    fn matching(&self, index: usize, parameters: &mut Vec<f64>, work: &mut u64) -> Option<&'a Group> {
+    /// The first group that takes a module. If it has contexts, its parameters are then at the begin of `bound`.
+    #[inline]
+    fn matching(&self, index: usize, bound: &mut [f64], work: &mut u64) -> Option<&'a Group> {
         let program = self.text.program;
         let rewrite = program.rewrite(self.text.buffer.modules[index])?;
         program.groups(rewrite).iter().find(|group| {
             *work += 1 + u64::from(group.cost);
-            self.bind(group, index, parameters, work)
+            if !group.has_context() {
+                return program.holds(group, self.text.arguments(index), self.key(index), self.number);
+            }
+            let parameters = &mut bound[..group.parameters];
+            self.neighbours.surround(group, &self.text, index, parameters, work)
                 && program.holds(group, parameters, self.key(index), self.number)
         })
     }
+}
 
-    /// Fills in the parameters of a group, if its contexts are there.
-    fn bind(&self, group: &Group, index: usize, parameters: &mut Vec<f64>, work: &mut u64) -> bool {
-        if group.has_context() {
-            return self.neighbours.surround(group, &self.text, index, parameters, work);
+impl<'a> Step<'a> {
+    /// Chooses what becomes of every module.
+    pub(super) fn choose(
+        program: &'a Program,
+        buffer: &'a Buffer,
+        lists: &'a mut Lists,
+        number: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, LsystemError> {
+        let text = Text { program, buffer };
+        let Lists { neighbours, choices, bound, spare } = lists;
+        neighbours.find(program, &text);
+        fit(choices, text.count(), KEEP);
+        bound.resize_with(text.count().div_ceil(CHUNK), Vec::new);
+        let view = View { text, neighbours, most_bound: most_bound(program), number };
+        let outcomes: Vec<Result<Chosen, LsystemError>> = choices
+            .par_chunks_mut(CHUNK)
+            .zip(bound.par_iter_mut())
+            .enumerate()
+            .map(|(i, (choices, bound))| view.choose(i * CHUNK, choices, bound, monitor))
+            .collect();
+        let chosen = outcomes.into_iter().collect::<Result<Vec<Chosen>, LsystemError>>()?;
+        let sizes = chosen.iter().map(|chosen| chosen.size).collect();
+        let mut step = Self { view, choices, bound, sizes, spare };
+        if chosen.iter().any(|chosen| chosen.cuts) {
+            step.cut();
+            step.bound = &[];
+            step.sizes = step.sizes_of_chosen();
         }
-        parameters.clear();
-        parameters.extend_from_slice(self.text.arguments(index));
-        true
+        Ok(step)
     }
 
     /// The parameters of the group that was chosen for a module; `bound` is what is left of its chunk's.
@@ -293,14 +350,16 @@ impl<'a> Step<'a> {
         bound: &mut &'s [f64],
         own: &'o mut Vec<f64>,
     ) -> &'o [f64] {
+        let View { text, neighbours, .. } = &self.view;
         if !group.has_context() {
-            return self.text.arguments(index);
+            return text.arguments(index);
         }
         if let Some((parameters, rest)) = bound.split_at_checked(group.parameters) {
             *bound = rest;
             return parameters;
         }
-        self.bind(group, index, own, &mut 0);
+        own.resize(group.parameters, 0.0);
+        neighbours.surround(group, text, index, own, &mut 0);
         own
     }
 
@@ -311,13 +370,14 @@ impl<'a> Step<'a> {
 
     /// Drops what follows a chosen word that cuts, up to the end of the branch.
     fn cut(&mut self) {
-        let program = self.text.program;
+        let text = &self.view.text;
+        let program = text.program;
         let mut i = 0;
         while i < self.choices.len() {
             let chosen = program.alternatives.get(self.choices[i] as usize);
             i += 1;
             if chosen.is_some_and(|alternative| alternative.word.cuts) {
-                let rest = rest_of_branch(&self.text, i);
+                let rest = rest_of_branch(text, i);
                 self.choices[i..i + rest].fill(DROP);
                 i += rest;
             }
@@ -325,52 +385,42 @@ impl<'a> Step<'a> {
     }
 
     /// Writes the next string, within the limits.
-    pub(super) fn apply<S: Sink>(&self, outlet: &Outlet<'_, S>) -> Result<Buffer, LsystemError> {
-        let sizes = self.sizes();
-        let size = Size::sum(&sizes);
+    pub(super) fn apply<S: Sink>(self, outlet: &Outlet<'_, S>) -> Result<Buffer, LsystemError> {
+        let size = Size::sum(&self.sizes);
         outlet.check_limit(size.modules)?;
         if size.values > u32::MAX.into() {
             // Places of arguments have 32 bits.
             outlet.check_limit(u64::MAX)?;
         }
-        let Text { program, buffer } = self.text;
+        let Text { program, buffer } = self.view.text;
         let bytes = buffer.size().bytes(program).saturating_add(size.bytes(program));
         let bytes = bytes.saturating_add(outlet.sink.bytes());
         outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
-        self.write(&sizes)
+        self.write()
     }
 
-    /// What each chunk becomes.
-    fn sizes(&self) -> Vec<Size> {
-        let program = self.text.program;
-        let of_chunk = |(chunk, choices): (usize, &[u32])| {
-            let mut sum = Size::default();
-            for (i, &choice) in choices.iter().enumerate() {
-                sum += match choice {
-                    DROP => Size::default(),
-                    KEEP => {
-                        let entry = self.text.entry(chunk * CHUNK + i);
-                        Size { modules: 1, values: if entry.is_computed() { entry.arity.into() } else { 0 } }
-                    }
-                    chosen => {
-                        let word = program.alternatives[chosen as usize].word;
-                        Size { modules: word.len() as u64, values: word.values.into() }
-                    }
-                };
-            }
-            sum
+    /// What each chunk becomes, by its choices.
+    fn sizes_of_chosen(&self) -> Vec<Size> {
+        let of_module = |(index, &choice): (usize, &u32)| match choice {
+            DROP => Size::default(),
+            KEEP => self.view.size_of_kept(index),
+            chosen => Size::of(self.view.text.program.alternatives[chosen as usize].word),
         };
-        self.choices.par_chunks(CHUNK).enumerate().map(of_chunk).collect()
+        let chunks = self.choices.chunks(CHUNK).enumerate();
+        let of_chunk = |(chunk, choices): (usize, &[u32])| {
+            let sizes: Vec<Size> = (chunk * CHUNK..).zip(choices).map(of_module).collect();
+            Size::sum(&sizes)
+        };
+        chunks.map(of_chunk).collect()
     }
 
     /// Writes the next string.
-    fn write(&self, sizes: &[Size]) -> Result<Buffer, LsystemError> {
-        let random = self.text.program.random;
-        let sum = Size::sum(sizes);
-        let mut next = Buffer::default();
-        next.resize(sum, random);
+    fn write(self) -> Result<Buffer, LsystemError> {
+        let random = self.view.text.program.random;
+        let mut next = std::mem::take(self.spare);
+        next.resize(Size::sum(&self.sizes), random);
         let outcomes: Vec<Result<(), LsystemError>> = next
-            .slots(sizes, random)
+            .slots(&self.sizes, random)
             .into_par_iter()
             .enumerate()
             .map(|(i, slot)| self.write_chunk(i * CHUNK, slot))
@@ -380,24 +430,38 @@ impl<'a> Step<'a> {
     }
 
     fn write_chunk(&self, first: usize, mut slot: Slot<'_>) -> Result<(), LsystemError> {
-        let program = self.text.program;
+        let View { text, number, .. } = &self.view;
+        let program = text.program;
         let mut own = Vec::new();
         let mut bound = self.bound(first / CHUNK);
         let end = self.choices.len().min(first + CHUNK);
-        for index in first..end {
+        let mut rest = first..end;
+        while let Some(index) = rest.next() {
             match self.choices[index] {
                 DROP => {}
                 KEEP => {
-                    let arguments =
-                        if self.text.entry(index).is_computed() { self.text.arguments(index) } else { &[] };
-                    let Buffer { modules, births, .. } = self.text.buffer;
-                    slot.module(modules[index], births[index], self.key(index), arguments);
+                    let arguments = if text.entry(index).is_computed() { text.arguments(index) } else { &[] };
+                    let Buffer { modules, births, .. } = text.buffer;
+                    slot.module(modules[index], births[index], self.view.key(index), arguments);
                 }
                 chosen => {
                     let alternative = &program.alternatives[chosen as usize];
                     let group = &program.groups[alternative.group as usize];
+                    if group.has_context() && alternative.word.values > 0 && !program.random {
+                        let run =
+                            self.choices[index..end].iter().take_while(|&&choice| choice == chosen).count();
+                        if let Some((rows, others)) = bound.split_at_checked(run * group.parameters)
+                            && run >= MANY
+                            && !rows.is_empty()
+                        {
+                            bound = others;
+                            slot.words(program, alternative.word, rows, group.parameters, *number)?;
+                            rest = index + run..end;
+                            continue;
+                        }
+                    }
                     let parameters = self.parameters_of(group, index, &mut bound, &mut own);
-                    slot.word(program, alternative.word, parameters, self.key(index), self.number)?;
+                    slot.word(program, alternative.word, parameters, self.view.key(index), *number)?;
                 }
             }
         }
@@ -406,8 +470,9 @@ impl<'a> Step<'a> {
 
     /// Hands the modules of the next string on without writing it.
     fn hand_on<S: Sink>(&self, outlet: &mut Outlet<'_, S>) -> Result<(), LsystemError> {
-        let program = self.text.program;
-        let Buffer { modules, births, .. } = self.text.buffer;
+        let View { text, number, .. } = &self.view;
+        let program = text.program;
+        let Buffer { modules, births, .. } = text.buffer;
         let mut own = Vec::new();
         let mut bound = self.bound(0);
         let mut scratch = Vec::new();
@@ -421,13 +486,13 @@ impl<'a> Step<'a> {
             let birth = births[index];
             match self.choices[index] {
                 DROP => outlet.spend(1)?,
-                KEEP if self.text.entry(index).is_computed() => {
-                    outlet.apply(id, self.text.arguments(index), birth)?;
+                KEEP if text.entry(index).is_computed() => {
+                    outlet.apply(id, text.arguments(index), birth)?;
                 }
                 KEEP => {
                     // With all that follow it, of the same age, and are handed on as they are.
                     let same = |i: &usize| {
-                        self.choices[*i] == KEEP && births[*i] == birth && !self.text.entry(*i).is_computed()
+                        self.choices[*i] == KEEP && births[*i] == birth && !text.entry(*i).is_computed()
                     };
                     let run = (index + 1..modules.len()).take_while(same).count();
                     outlet.give(&modules[index..=index + run], birth)?;
@@ -437,7 +502,7 @@ impl<'a> Step<'a> {
                     let alternative = &program.alternatives[chosen as usize];
                     let group = &program.groups[alternative.group as usize];
                     let parameters = self.parameters_of(group, index, &mut bound, &mut own);
-                    outlet.word(alternative.word, parameters, self.key(index), self.number, &mut scratch)?;
+                    outlet.word(alternative.word, parameters, self.view.key(index), *number, &mut scratch)?;
                 }
             }
             index += 1;
@@ -453,12 +518,12 @@ impl Buffer {
 
     fn resize(&mut self, size: Size, random: bool) {
         let modules = size.modules as usize;
-        self.modules.resize(modules, 0);
-        self.births.resize(modules, 0);
-        self.keys.resize(if random { modules } else { 0 }, Key::new(0));
+        fit(&mut self.modules, modules, 0);
+        fit(&mut self.births, modules, 0);
+        fit(&mut self.keys, if random { modules } else { 0 }, Key::new(0));
         // Nobody looks for values where there are none.
-        self.starts.resize(if size.values > 0 { modules } else { 0 }, 0);
-        self.values.resize(size.values as usize, 0.0);
+        fit(&mut self.starts, if size.values > 0 { modules } else { 0 }, 0);
+        fit(&mut self.values, size.values as usize, 0.0);
     }
 
     /// Cuts the buffer into pieces of the given sizes, to be filled one beside the other.
@@ -484,65 +549,5 @@ impl Buffer {
             offset += size.values as u32;
         }
         slots
-    }
-}
-
-/// A piece of a buffer that is being filled.
-struct Slot<'a> {
-    modules: &'a mut [u32],
-    births: &'a mut [u32],
-    keys: &'a mut [Key],
-    starts: &'a mut [u32],
-    values: &'a mut [f64],
-    /// Where its values stand in the buffer.
-    offset: u32,
-    next: usize,
-    next_value: usize,
-}
-
-impl Slot<'_> {
-    fn module(&mut self, id: u32, birth: u32, key: Key, computed: &[f64]) {
-        let end = self.next_value + computed.len();
-        let places = &mut self.values[self.next_value..end];
-        places.iter_mut().zip(computed).for_each(|(place, value)| *place = *value);
-        self.put(id, birth, key);
-        self.next_value = end;
-    }
-
-    /// A module whose arguments, if they are computed, stand at `next_value`.
-    fn put(&mut self, id: u32, birth: u32, key: Key) {
-        let next = self.next;
-        self.modules[next] = id;
-        self.births[next] = birth;
-        if let Some(slot) = self.keys.get_mut(next) {
-            *slot = key;
-        }
-        if let Some(slot) = self.starts.get_mut(next) {
-            *slot = self.offset + self.next_value as u32;
-        }
-        self.next += 1;
-    }
-
-    fn word(
-        &mut self,
-        program: &Program,
-        word: crate::program::Word,
-        parameters: &[f64],
-        place: Key,
-        birth: u32,
-    ) -> Result<(), LsystemError> {
-        let inputs = Inputs { parameters, key: chance(program, place) };
-        let ordinals = program.ordinals(word);
-        let mut calls = program.calls(word).iter().peekable();
-        for (i, &id) in program.word(word).iter().enumerate() {
-            let key = if program.random { place.child(ordinals[i].into()) } else { place };
-            self.put(id, birth, key);
-            if let Some(&call) = calls.next_if(|call| call.at as usize == i) {
-                let end = self.next_value + program.modules[id as usize].arity as usize;
-                compute(program, (id, call), inputs, &mut self.values[self.next_value..end], birth)?;
-                self.next_value = end;
-            }
-        }
-        Ok(())
     }
 }

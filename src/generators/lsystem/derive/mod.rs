@@ -6,6 +6,7 @@
 //! choose the same, on any number of threads.
 
 mod buffers;
+mod slot;
 mod stream;
 pub(super) mod trace;
 
@@ -156,6 +157,7 @@ fn chance(program: &Program, place: Key) -> Key {
 }
 
 /// Computes the arguments of a call onto the end of `values`.
+#[inline]
 fn compute(
     program: &Program,
     (id, call): (u32, Call),

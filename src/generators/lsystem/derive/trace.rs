@@ -6,10 +6,10 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::buffers::{Buffer, DROP, Step, Text, axiom};
+use super::buffers::{Buffer, DROP, Lists, Step, Text, axiom};
 use super::{Outlet, Sink};
 use crate::command::Command;
-use crate::context::{Modules, Neighbours};
+use crate::context::Modules;
 use crate::error::{LsystemError, Short};
 use crate::grammar::Grammar;
 use crate::program::Program;
@@ -152,15 +152,15 @@ fn rewrite<S: Sink>(outlet: &Outlet<'_, S>) -> Result<(Buffer, Vec<Origin>), Lsy
     let (program, last) = (outlet.program, outlet.settings.derivations);
     let mut string = axiom(program, outlet.settings)?;
     let mut origins = Vec::new();
-    let mut neighbours = Neighbours::default();
+    let mut lists = Lists::default();
     for number in 1..=last {
         outlet.monitor.check()?;
-        let step = Step::choose(program, &string, &mut neighbours, number, outlet.monitor)?;
-        let next = step.apply(outlet)?;
+        let step = Step::choose(program, &string, &mut lists, number, outlet.monitor)?;
         if number == last {
-            origins = origins_of(program, &step.choices);
+            origins = origins_of(program, step.choices);
         }
-        string = next;
+        let next = step.apply(outlet)?;
+        lists.spare = std::mem::replace(&mut string, next);
     }
     Ok((string, origins))
 }
@@ -184,8 +184,8 @@ fn next_rules(
     step: u32,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<u32>>, LsystemError> {
-    let mut neighbours = Neighbours::default();
-    let next = Step::choose(program, string, &mut neighbours, step + 1, monitor)?;
+    let mut lists = Lists::default();
+    let next = Step::choose(program, string, &mut lists, step + 1, monitor)?;
     let rule = |&choice: &u32| program.alternatives.get(choice as usize).map(|chosen| chosen.production);
     Ok(next.choices.iter().map(rule).collect())
 }

@@ -8,8 +8,9 @@ use linden_base::random::Key;
 pub(in super::super) enum Instruction {
     Number(f64),
     Parameter(u16),
-    /// Numbers as right operands, the commonest of all, without a way through the stack.
+    /// Numbers and parameters as right operands, the commonest of all, without a way through the stack.
     WithNumber(Binary, f64),
+    WithParameter(Binary, u16),
     Unary(Unary),
     Binary(Binary),
     Call(Function),
@@ -64,11 +65,9 @@ impl Library {
             [Instruction::Number(number)] => Formula::Number(number),
             [Instruction::Parameter(index)] => Formula::Parameter(index),
             [Instruction::Parameter(index), Instruction::WithNumber(Binary::Times, factor)]
-            | [
-                Instruction::Number(factor),
-                Instruction::Parameter(index),
-                Instruction::Binary(Binary::Times),
-            ] => Formula::Scaled(index, factor),
+            | [Instruction::Number(factor), Instruction::WithParameter(Binary::Times, index)] => {
+                Formula::Scaled(index, factor)
+            }
             _ => return Formula::Code(start as u32, self.instructions.len() as u32),
         };
         self.instructions.truncate(start);
@@ -87,6 +86,9 @@ impl Library {
             }
             (Instruction::Binary(binary), [.., Instruction::Number(b)]) => {
                 Some((1, Instruction::WithNumber(binary, *b)))
+            }
+            (Instruction::Binary(binary), [.., Instruction::Parameter(index)]) => {
+                Some((1, Instruction::WithParameter(binary, *index)))
             }
             (Instruction::Call(function), [.., Instruction::Number(a)]) if function.arity() == 1 => {
                 Some((1, Instruction::Number(call(function, *a, 0.0))))
@@ -129,6 +131,82 @@ impl Library {
     }
 }
 
+/// Rows that are evaluated together.
+const LANES: usize = 32;
+
+impl Library {
+    /// Evaluates a formula without chance for each row of parameters, `width` to a row, into every `step`-th of the
+    /// values.
+    pub(in super::super) fn evaluate_rows(
+        &self,
+        formula: Formula,
+        (rows, width): (&[f64], usize),
+        (values, step): (&mut [f64], usize),
+    ) {
+        let code = self.instructions(formula);
+        if is_straight(code) {
+            let blocks = rows.chunks(LANES * width).zip(values.chunks_mut(LANES * step));
+            blocks.for_each(|(rows, values)| {
+                let lanes = run_straight(code, rows, width);
+                values.iter_mut().step_by(step).zip(lanes).for_each(|(value, lane)| *value = lane);
+            });
+            return;
+        }
+        let key = Key::new(0);
+        for (parameters, value) in rows.chunks_exact(width).zip(values.iter_mut().step_by(step)) {
+            *value = self.evaluate(formula, Inputs { parameters, key });
+        }
+    }
+}
+
+/// Whether code works on one value from begin to end.
+fn is_straight(code: &[Instruction]) -> bool {
+    let goes_on = |instruction: &Instruction| {
+        matches!(
+            instruction,
+            Instruction::WithNumber(..) | Instruction::WithParameter(..) | Instruction::Unary(_)
+        )
+    };
+    matches!(code, [Instruction::Parameter(_), rest @ ..] if rest.iter().all(goes_on))
+}
+
+/// [Straight](is_straight) code for a few rows: what an instruction does is decided once for all of them.
+fn run_straight(code: &[Instruction], rows: &[f64], width: usize) -> [f64; LANES] {
+    let mut lanes = [0.0; LANES];
+    let count = rows.len() / width;
+    let lanes_used = &mut lanes[..count];
+    let parameter = |index: u16| rows.chunks_exact(width).map(move |row| row[index as usize]);
+    for instruction in code {
+        match *instruction {
+            Instruction::Parameter(index) => {
+                lanes_used.iter_mut().zip(parameter(index)).for_each(|(lane, value)| *lane = value);
+            }
+            Instruction::WithNumber(binary, number) => {
+                operate_on(lanes_used, binary, std::iter::repeat_n(number, count));
+            }
+            Instruction::WithParameter(binary, index) => operate_on(lanes_used, binary, parameter(index)),
+            Instruction::Unary(unary) => lanes_used.iter_mut().for_each(|lane| *lane = sign(unary, *lane)),
+            // Not straight.
+            _ => {}
+        }
+    }
+    lanes
+}
+
+/// Each lane with its right operand.
+#[inline]
+fn operate_on(lanes: &mut [f64], binary: Binary, right: impl Iterator<Item = f64>) {
+    let pairs = lanes.iter_mut().zip(right);
+    // The commonest have loops of their own.
+    match binary {
+        Binary::Plus => pairs.for_each(|(a, b)| *a += b),
+        Binary::Minus => pairs.for_each(|(a, b)| *a -= b),
+        Binary::Times => pairs.for_each(|(a, b)| *a *= b),
+        Binary::Over => pairs.for_each(|(a, b)| *a /= b),
+        _ => pairs.for_each(|(a, b)| *a = operate(binary, *a, b)),
+    }
+}
+
 /// The value of an expression without parameters and chance.
 pub(super) fn constant(expression: &Expression) -> f64 {
     let mut library = Library::default();
@@ -159,6 +237,9 @@ fn run_on<const MOST: usize>(code: &[Instruction], inputs: Inputs<'_>) -> f64 {
             Instruction::Number(number) => top = push(number),
             Instruction::Parameter(index) => top = push(inputs.parameters[index as usize]),
             Instruction::WithNumber(binary, number) => top = operate(binary, top, number),
+            Instruction::WithParameter(binary, index) => {
+                top = operate(binary, top, inputs.parameters[index as usize]);
+            }
             Instruction::Unary(unary) => top = sign(unary, top),
             Instruction::Binary(binary) => {
                 height -= 1;
@@ -262,5 +343,51 @@ fn sin_cos_deg(degrees: f64) -> (f64, f64) {
         180.0 | -180.0 => (0.0, -1.0),
         270.0 | -90.0 => (-1.0, 0.0),
         reduced => libm::sincos(reduced.to_radians()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_are_evaluated_as_each_alone() {
+        use Instruction::{Binary as Two, Call, Number, Parameter, Unary as One};
+        let codes: [&[Instruction]; 4] = [
+            &[Parameter(0), Parameter(2), Two(Binary::Plus), Parameter(1), Two(Binary::Over)],
+            &[
+                Parameter(1),
+                Number(3.0),
+                Two(Binary::Power),
+                One(Unary::Minus),
+                Parameter(0),
+                Two(Binary::Less),
+            ],
+            &[
+                Parameter(0),
+                Parameter(1),
+                Two(Binary::Minus),
+                Parameter(2),
+                One(Unary::Minus),
+                Two(Binary::Times),
+            ],
+            &[Parameter(2), Call(Function::Sqrt)],
+        ];
+        for (code, count) in
+            codes.into_iter().flat_map(|code| [1, LANES, 2 * LANES + 5].map(|count| (code, count)))
+        {
+            let mut library = Library::default();
+            for &instruction in code {
+                library.push(instruction, 0);
+            }
+            let formula = Formula::Code(0, library.instructions.len() as u32);
+            let rows: Vec<f64> = (0..3 * count).map(|i| f64::from(i as u32 % 31) - 7.5).collect();
+            let mut values = vec![9.0; 2 * count];
+            library.evaluate_rows(formula, (&rows, 3), (&mut values[1..], 2));
+            for (row, pair) in rows.chunks_exact(3).zip(values.chunks_exact(2)) {
+                let alone = library.evaluate(formula, Inputs { parameters: row, key: Key::new(0) });
+                assert_eq!((pair[0], pair[1].to_bits()), (9.0, alone.to_bits()), "{code:?} of {row:?}");
+            }
+        }
     }
 }

@@ -219,11 +219,14 @@ impl Program {
     }
 
     /// The alternative of a group that is chosen at a place, as an index into [`Self::alternatives`].
+    #[inline]
     pub(super) fn choose(&self, group: &Group, place: Key) -> usize {
         let Range { start, end } = group.alternatives;
-        if end - start == 1 {
-            return start as usize;
-        }
+        if end - start == 1 { start as usize } else { self.draw_lots(group, place) }
+    }
+
+    fn draw_lots(&self, group: &Group, place: Key) -> usize {
+        let Range { start, end } = group.alternatives;
         let unit = place.unit();
         let found = self.alternatives(group).iter().position(|alternative| unit < alternative.up_to);
         // Probabilities may sum to a hair less than 1; the last alternative has what is left.
@@ -231,6 +234,7 @@ impl Program {
     }
 
     /// Whether the condition of a group holds in a derivation step.
+    #[inline]
     pub(super) fn holds(&self, group: &Group, parameters: &[f64], place: Key, step: u32) -> bool {
         let Some(condition) = group.condition else { return true };
         let key = if group.is_random { place.named("condition").child(step.into()) } else { place };
