@@ -53,6 +53,16 @@ fn grow_ways(bencher: divan::Bencher, (derivations, way): (u32, Way)) {
         .bench(|| grow_by(&grammar, &settings, way, &Quiet).expect("it is within the limit"));
 }
 
+/// An angle that is no part of a circle: the turtle walks in space.
+#[divan::bench(name = "grow: linden, walked in space")]
+fn grow_in_space(bencher: divan::Bencher) {
+    let (grammar, settings) = weed();
+    let settings = TurtleSettings { angle_deg: 360.0 / 14.0, ..settings };
+    bencher
+        .counter(ItemsCount::new(SYMBOLS))
+        .bench(|| grow(&grammar, &settings, &Quiet).expect("it is within the limit"));
+}
+
 #[divan::bench(name = "grow: linden, stochastic (ABOP 1.27, 10 steps)")]
 fn grow_stochastic(bencher: divan::Bencher) {
     let rules = ["F -> (0.33) F[+F]F[-F]F", "F -> (0.33) F[+F]F", "F -> (0.34) F[-F]F"];
