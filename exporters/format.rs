@@ -199,10 +199,7 @@ mod tests {
     fn formats_write_the_same_of_what_they_want_alone() {
         let cases: [(&str, &[(&str, &str)]); 4] = [
             ("dressed-fir", &[]),
-            (
-                "drawn-oak",
-                &[("points", "400"), ("triangles", "3000")],
-            ),
+            ("drawn-oak", &[("points", "400"), ("triangles", "3000")]),
             ("drawn-oak", &[("points", "300"), ("lods", "2"), ("billboard", "2"), ("wind", "attributes")]),
             ("abop-f", &[]),
         ];

@@ -202,7 +202,10 @@ fn bark_from_a_file_is_estimated_by_its_file() {
     let key = linden_pipeline::random::Key::new(3);
     for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
         let mut recipe = Recipe::new(preset.clone());
-        let bark = linden_pipeline::texture::Bark { size_px: 512, ..linden_pipeline::texture::Bark::new(style, key) };
+        let bark = linden_pipeline::texture::Bark {
+            size_px: 512,
+            ..linden_pipeline::texture::Bark::new(style, key)
+        };
         let photograph = bark.draw(&Quiet).unwrap().base_color;
         let png = photograph.png().unwrap();
         let input = linden_pipeline::recipe::Input::read("my.png", png, &Quiet).unwrap();

@@ -442,7 +442,10 @@ static RULES: &[Rule] = &[
         why: |preset| {
             let LeafKind { back_colors, picture, form, .. } = &preset.dressing.foliage.first;
             let is_drawn = picture.is_none() && *form != Form::Mesh;
-            when(is_drawn && back_colors.is_some(), "back_colors gives leaves two faces, and no light passes both")
+            when(
+                is_drawn && back_colors.is_some(),
+                "back_colors gives leaves two faces, and no light passes both",
+            )
         },
     },
     Rule {

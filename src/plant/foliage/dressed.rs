@@ -168,7 +168,8 @@ impl DressedOrgans {
                 class: kind.map_or(OrganClass::Leaf, |kind| kind.class),
                 kind: kind.map_or("leaf", |kind| &kind.name),
                 variant: number - first as u32,
-                unit_m2: area(&shape.mesh, kind.and_then(|kind| kind.mask.as_deref())) / f64::from(shape.faces),
+                unit_m2: area(&shape.mesh, kind.and_then(|kind| kind.mask.as_deref()))
+                    / f64::from(shape.faces),
                 color: Some(shape.color),
             }
         };

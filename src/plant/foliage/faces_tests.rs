@@ -21,8 +21,7 @@ fn color_at(picture: &Picture, uv: Vec2) -> [u8; 4] {
 fn each_face_of_a_leaf_is_seen_from_its_own_side_in_its_own_colour() {
     for form in ["curved", "card", "twig", "cross", "tuft"] {
         let with = |more: &[(&str, &str)]| {
-            let subject =
-                Subject::builtin("drawn-oak", &[&SMALL[..], &[("leaf_form", form)], more].concat());
+            let subject = Subject::builtin("drawn-oak", &[&SMALL[..], &[("leaf_form", form)], more].concat());
             let grown = subject.grow();
             let scene = subject.dress(&grown);
             (grown, scene)
@@ -87,7 +86,9 @@ fn both_faces_have_one_outline() {
     let picture = &cover.base_color;
     for (cell, back) in cover.cells.iter().zip(&cover.backs) {
         let moved = back.attach - cell.attach;
-        assert!((back.min - cell.min - moved).length() < 1e-5 && (back.max - cell.max - moved).length() < 1e-5);
+        assert!(
+            (back.min - cell.min - moved).length() < 1e-5 && (back.max - cell.max - moved).length() < 1e-5
+        );
         let (mut differ, mut drawn) = (0, 0);
         for step in 0..64 * 64 {
             let share = Vec2::new((step % 64) as f32, (step / 64) as f32) / 64.0;

@@ -12,9 +12,9 @@ mod bare;
 mod calendar;
 mod cluster;
 mod dressed;
-mod fallen;
 #[cfg(test)]
 mod faces_tests;
+mod fallen;
 mod form;
 mod instances;
 mod look;

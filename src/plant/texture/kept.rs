@@ -322,8 +322,7 @@ mod tests {
     #[test]
     fn cells_come_back_to_the_last_bit() {
         for back_colors in [vec![], vec![[200, 210, 220]]] {
-            let look =
-                LeafLook { size_px: 64, variants: 5, back_colors, ..LeafLook::new(Outline::Palmate) };
+            let look = LeafLook { size_px: 64, variants: 5, back_colors, ..LeafLook::new(Outline::Palmate) };
             let LeafPictures { cells, backs, .. } = look.draw(Key::new(2), &Quiet).unwrap();
             let bytes = write_cells(&cells, &backs);
             assert!(read_cells(&bytes[..bytes.len() - 8]).is_none());

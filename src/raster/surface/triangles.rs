@@ -297,11 +297,8 @@ impl Lens<'_> {
     fn light(&self, seen: &Seen, vertex: u32) -> Corner {
         let (mesh, vertex) = (&seen.part.mesh, vertex as usize);
         let (place, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
-        let Lit { sun, sky } = if seen.is_sheet {
-            self.air.on_leaf(place, normal)
-        } else {
-            self.air.on_surface(place, normal)
-        };
+        let Lit { sun, sky } =
+            if seen.is_sheet { self.air.on_leaf(place, normal) } else { self.air.on_surface(place, normal) };
         let Vertex { at, nearness } = seen.vertices[vertex];
         Corner {
             at,
