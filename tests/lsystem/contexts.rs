@@ -89,7 +89,7 @@ fn contexts_bind_parameters() {
 /// What neighbours become is computed together, but where something is left to chance.
 #[test]
 fn neighbours_are_computed_as_each_alone() {
-    let axiom: String = (0..100).map(|cell| format!("M({})", cell * cell % 17)).collect();
+    let axiom = (0..100).map(|cell| format!("M({})", cell * cell % 17)).collect::<Vec<_>>().concat();
     let rules =
         ["M(a) < M(x) > M(b) -> M((a+x+b)/3)N(x-a,-b)", "N(p,q) < M(x) > N(r,s) -> M(min(x,p)+r*s)F(x-q)"];
     let chance = [&rules[..], &["Z -> (0.5) Z", "Z -> (0.5) ZZ"]].concat();
@@ -100,7 +100,7 @@ fn neighbours_are_computed_as_each_alone() {
 
 #[test]
 fn the_first_neighbour_that_gets_no_number_is_named() {
-    let axiom: String = (0..30).map(|cell| format!("M({cell})")).collect();
+    let axiom = (0..30).map(|cell| format!("M({cell})")).collect::<Vec<_>>().concat();
     let grammar = Grammar::new(&axiom, &["M(a) < M(x) -> M(1/((x-7)*(12-x)))N(a/(x-9))"]).unwrap();
     let error = |derivations| {
         let settings = TurtleSettings { derivations, ..TurtleSettings::default() };
