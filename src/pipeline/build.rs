@@ -22,15 +22,19 @@ fn main() -> Result<(), Box<dyn Error>> {
     let linked = Path::new(&package).join("presets");
     let presets = if linked.is_dir() { linked } else { Path::new(&package).join("../../presets") };
     let presets = presets.canonicalize()?;
-    println!("cargo::rerun-if-changed={}", presets.display());
+    // Not the folder as a whole: pictures lie in it, which change more often and of which nothing is here. A new folder of
+    // documents is seen when the sizes of its trees are written.
+    println!("cargo::rerun-if-changed={}", presets.join("sizes.txt").display());
     let sizes = sizes(&presets.join("sizes.txt"))?;
     let mut table = String::from("static BUILTINS: &[Builtin] = &[\n");
     let mut forests = String::from("static FORESTS: &[BuiltinForest] = &[\n");
     for folder in sorted(&presets)?.iter().filter(|path| path.is_dir()) {
-        println!("cargo::rerun-if-changed={}", folder.display());
         let files = sorted(folder)?;
         let (documents, others): (Vec<&PathBuf>, Vec<&PathBuf>) =
             files.iter().partition(|path| path.extension().is_some_and(|e| e == "toml"));
+        if !documents.is_empty() {
+            println!("cargo::rerun-if-changed={}", folder.display());
+        }
         let mut beside = String::new();
         for path in others.iter().filter(|path| path.extension().is_some_and(|e| e == "obj" || e == "ply")) {
             let name = path.file_name().ok_or("a file without a name")?.to_string_lossy();
