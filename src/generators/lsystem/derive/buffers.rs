@@ -447,12 +447,13 @@ impl<'a> Step<'a> {
                 chosen => {
                     let alternative = &program.alternatives[chosen as usize];
                     let group = &program.groups[alternative.group as usize];
-                    if group.has_context() && alternative.word.values > 0 && !program.random {
+                    // Nothing is bound behind a cut: a run would be counted anew for each of its modules.
+                    let are_bound = group.has_context() && group.parameters > 0 && !bound.is_empty();
+                    if are_bound && alternative.word.values > 0 && !program.random {
                         let run =
                             self.choices[index..end].iter().take_while(|&&choice| choice == chosen).count();
                         if let Some((rows, others)) = bound.split_at_checked(run * group.parameters)
                             && run >= MANY
-                            && !rows.is_empty()
                         {
                             bound = others;
                             slot.words(program, alternative.word, rows, group.parameters, *number)?;
