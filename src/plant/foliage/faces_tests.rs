@@ -30,11 +30,12 @@ fn each_face_of_a_leaf_is_seen_from_its_own_side_in_its_own_colour() {
         let (grown, scene) = with(&[("back_colors", "#e0d8ff")]);
         let part = scene.parts.iter().find(|part| part.name == "leaves").unwrap();
         let material = &scene.materials[part.material];
-        assert!(!material.double_sided && material.is_sheet());
+        assert!(!material.double_sided && material.is_sheet() && material.translucency.is_none());
         // The same leaves in the same places, of twice as many triangles and the same area.
         assert_eq!(grown.organs.placed.positions, plain.organs.placed.positions);
         let before = plain_scene.parts.iter().find(|part| part.name == "leaves").unwrap();
-        assert!(plain_scene.materials[before.material].double_sided);
+        let plain_material = &plain_scene.materials[before.material];
+        assert!(plain_material.double_sided && plain_material.translucency.is_some());
         assert_eq!(part.mesh.triangles.len(), 2 * before.mesh.triangles.len());
         let ratio = grown.organs.area_m2() / plain.organs.area_m2();
         assert!((ratio - 1.0).abs() < 0.06, "{form}: {ratio}");
@@ -80,6 +81,7 @@ fn each_face_of_a_leaf_is_seen_from_its_own_side_in_its_own_colour() {
 #[test]
 fn both_faces_have_one_outline() {
     let subject = Subject::builtin("drawn-oak", &[&SMALL[..], &[("back_colors", "#e0d8ff")]].concat());
+    assert!(subject.recipe.preset.idle("leaf_translucency").is_some());
     let first = &subject.dressing.foliage.first;
     let cover = subject.with(|specimen| cover(specimen, 0, first, 256, &Quiet)).unwrap();
     assert_eq!(cover.backs.len(), cover.cells.len());

@@ -55,15 +55,15 @@ pub(super) fn shapes(
     cells.iter().enumerate().map(shape).collect()
 }
 
-/// How far the under side lies below the upper one, in lengths of the leaf: less than it is thick, and enough that
-/// renderers that draw both sides of everything do not mix the two.
-const SHEET_GAP: f32 = 1e-3;
+/// How far the under side lies below the upper one, in lengths of the leaf: less than it is thick, and enough that rays, and
+/// from near depth buffers, tell the two where both sides of everything are drawn.
+const FACE_GAP: f32 = 1e-3;
 
-/// A leaf of two sheets, each seen from its own side: the second is the first turned over, with what lies `moved` from it
+/// A leaf of two faces, each seen from its own side: the second is the first turned over, with what lies `moved` from it
 /// in the picture.
 fn with_back(mut upper: Mesh, moved: Vec2) -> Mesh {
     let first = upper.positions.len() as u32;
-    let below = |(&p, &n): (&Vec3, &Vec3)| p - n * SHEET_GAP;
+    let below = |(&p, &n): (&Vec3, &Vec3)| p - n * FACE_GAP;
     upper.positions.extend(upper.positions.iter().zip(&upper.normals).map(below).collect::<Vec<_>>());
     upper.normals.extend_from_within(..);
     upper.normals[first as usize..].iter_mut().for_each(|normal| *normal = -*normal);
