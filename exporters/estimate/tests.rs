@@ -147,11 +147,11 @@ fn budgets_levels_and_wind_are_estimated_too() {
         &[("wind", "bones"), ("lods", "2"), ("triangles", "20000")],
     ];
     let plants = ["oak", "dressed-fir", "box"];
-    // Each case has every second file with one of the plants, its neighbour the others.
+    // Each case has every second file with one of the plants, the next case the others.
     let all = (0..plants.len()).flat_map(|plant| (0..cases.len()).map(move |case| (plant, case)));
     let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(plant, case)| {
         let (id, knobs) = (plants[plant], cases[case]);
-        let turn = Turn { tree: plant + case, trees: 2 * plants.len() };
+        let turn = Turn { tree: plant + plants.len() * case, trees: 2 * plants.len() };
         let mut preset = linden_pipeline::preset::builtin(id).unwrap().load().unwrap();
         for (knob, value) in knobs {
             preset.set(knob, value).unwrap();
