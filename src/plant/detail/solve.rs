@@ -14,6 +14,9 @@ const WOOD_FIRST: f64 = 1.25;
 const LEAVES_AS_THEY_ARE: f64 = 0.7;
 /// Cards are pieces of several sites, at least here and there: no more than this share of them.
 const MOST_SITES: f64 = 0.9;
+/// The least share of a budget that the wood has beside cards, as far as there is any: with less, limbs that are seen
+/// through the crown are left out, and what hangs on them floats in the air (an olive of 5000 triangles).
+const LIMBS: f64 = 0.18;
 /// What a budget of triangles is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shares {
@@ -46,7 +49,8 @@ pub fn shares(budget: u64, tree: Amount, with_cards: bool) -> Shares {
     let beside_cards = budget.saturating_sub(for_cards);
     let are_many_left = left as f64 >= LEAVES_AS_THEY_ARE * leaves as f64;
     let in_cards = with_cards && !are_many_left && for_cards > 0 && beside_cards < wood;
-    Shares { wood: if in_cards { beside_cards } else { for_wood }, in_cards }
+    let for_limbs = ((LIMBS * budget as f64) as u64).min(wood);
+    Shares { wood: if in_cards { beside_cards.max(for_limbs) } else { for_wood }, in_cards }
 }
 
 /// How many of `budget` triangles are the wood's where leaves are thinned out.

@@ -15,6 +15,11 @@ const GRID: usize = 6;
 /// How far that grid reaches from the middle, radii.
 const REACH: f32 = 2.0;
 const CELLS: usize = 3 * GRID * GRID;
+/// Numbers of a [`Look`]: cells, a direction, and one more that makes them fours.
+const LOOK: usize = CELLS + 4;
+/// How much the mean direction counts beside the cells: what hangs from a level shoot is no shoot that hangs, though
+/// both may lie in the same cells.
+const DIRECTION: f32 = 0.3;
 /// Rounds of moving groups to their means.
 const ROUNDS: usize = 8;
 
@@ -27,8 +32,8 @@ pub(in crate::detail) struct Deck {
     pub prototypes: Vec<u32>,
 }
 
-/// Where a piece has its foliage, as it lies.
-type Look = [f32; CELLS];
+/// Where a piece has its foliage, and which way that points on the whole, as it lies.
+type Look = [f32; LOOK];
 
 impl Deck {
     /// Chooses up to `most` prototypes, such that each piece is much like its own: k-means over where foliage is (Lloyd
@@ -59,7 +64,7 @@ impl Deck {
         for _ in 0..ROUNDS {
             monitor.check()?;
             group_of = looks.par_iter().map(|look| nearest(look, &means)).collect();
-            let mut sums = vec![([0.0_f32; CELLS], 0.0_f32); groups];
+            let mut sums = vec![([0.0_f32; LOOK], 0.0_f32); groups];
             for (look, &group) in looks.iter().zip(&group_of) {
                 let (sum, count) = &mut sums[group];
                 sum.iter_mut().zip(look).for_each(|(sum, value)| *sum += value);
@@ -93,7 +98,7 @@ impl Deck {
 
 /// Squared. Four sums at a time, which is what makes it fast.
 fn distance(a: &Look, b: &Look) -> f32 {
-    const { assert!(CELLS.is_multiple_of(4)) };
+    const { assert!(LOOK.is_multiple_of(4)) };
     let pairs = a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0);
     let squares = pairs.fold(Vec4::ZERO, |sum, (&a, &b)| {
         let away = Vec4::from(a) - Vec4::from(b);
@@ -107,13 +112,16 @@ fn nearest(look: &Look, means: &[Look]) -> usize {
     (0..means.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
 }
 
-/// The share of each piece's foliage in each square of the grids.
+/// The share of each piece's foliage in each square of the grids, and its mean direction.
 fn looks(cut: &Cut, frames: &[Frame], rods: impl Iterator<Item = Rod>) -> Vec<Look> {
-    let mut looks = vec![[0.0; CELLS]; frames.len()];
+    let mut looks = vec![[0.0; LOOK]; frames.len()];
     for Rod { node, from, to, weight } in rods {
         let Some(&piece) = cut.piece_of.get(node as usize) else { continue };
         let Some(frame) = frames.get(piece as usize) else { continue };
         let weight = weight / cut.pieces[piece as usize].1.weight as f32;
+        let direction = frame.turned((to - from).normalize_or_zero()) * (DIRECTION * weight);
+        let sums = looks[piece as usize][CELLS..].iter_mut();
+        sums.zip(direction.to_array()).for_each(|(sum, part)| *sum += part);
         for share in [0.25, 0.75] {
             let at = frame.local(from.lerp(to, share));
             let planes = [Vec2::new(at.x, at.y), Vec2::new(at.y, at.z), Vec2::new(at.x, at.z)];

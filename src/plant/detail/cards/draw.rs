@@ -318,13 +318,12 @@ fn model(
         });
         parts.push((at, part.mesh));
     }
-    let (side, heading, up) = (frame.side(), frame.heading, frame.up);
     for (_, mesh) in &mut parts {
         for position in &mut mesh.positions {
             *position = frame.local(*position);
         }
         for normal in &mut mesh.normals {
-            *normal = Vec3::new(normal.dot(side), normal.dot(heading), normal.dot(up));
+            *normal = frame.turned(*normal);
         }
     }
     Ok(Model { parts, shade_share: shade_share(level.cut.pieces.len()) })

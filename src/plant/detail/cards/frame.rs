@@ -53,8 +53,12 @@ impl Frame {
 
     /// In units of its radius, by its own directions.
     pub fn local(&self, place: Vec3) -> Vec3 {
-        let away = (place - self.middle) / self.radius_m;
-        Vec3::new(away.dot(self.side()), away.dot(self.heading), away.dot(self.up))
+        self.turned((place - self.middle) / self.radius_m)
+    }
+
+    /// A direction, by its own.
+    pub fn turned(&self, direction: Vec3) -> Vec3 {
+        Vec3::new(direction.dot(self.side()), direction.dot(self.heading), direction.dot(self.up))
     }
 }
 
