@@ -35,7 +35,7 @@ const PLANES: usize = 2;
 /// Triangles of a card.
 pub(super) const TRIANGLES: u64 = 2 * PLANES as u64;
 /// Different cards of the finest level that has any. The next ones, farther away, have fewer.
-const MOST_CARDS: usize = 24;
+const MOST_CARDS: usize = 32;
 /// The fewest of a level.
 const FEWEST_CARDS: usize = 8;
 
