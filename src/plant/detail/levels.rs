@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
 use super::cards::Cards;
+use super::exposure::Exposure;
 use super::forms::in_level;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
@@ -168,6 +169,8 @@ const NO_CARDS: &str = "no level needs them, since enough leaves are left in eac
 struct Plan {
     /// How much each has, finest first; `None`: one with everything.
     details: Option<Vec<Detail>>,
+    /// What is seen past the foliage where there is most: in all seasons the same wood stays.
+    exposure: Exposure,
 }
 
 impl Plan {
@@ -189,9 +192,10 @@ impl Plan {
             return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });
         }
         if detail.is_whole() {
-            return Ok(Self { details: None });
+            return Ok(Self { details: None, exposure: Exposure::default() });
         }
-        let simplifier = Simplifier::new(tubes, body, monitor)?;
+        let exposure = Exposure::of(body, monitor)?;
+        let simplifier = Simplifier::seen(tubes, body, &exposure, monitor)?;
         let foliage = &dressing.foliage;
         let full = simplifier.in_level(foliage, 0, monitor)?.full_triangles(monitor)?;
         let mut details = Vec::new();
@@ -213,7 +217,7 @@ impl Plan {
                 are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
                 notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             }
-            return Ok(Self::of(details, dressing, are_cards_missed, notes));
+            return Ok(Self::of(details, exposure, dressing, are_cards_missed, notes));
         }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -236,12 +240,13 @@ impl Plan {
             notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
-        Ok(Self::of(details, dressing, are_cards_missed, notes))
+        Ok(Self::of(details, exposure, dressing, are_cards_missed, notes))
     }
 
     /// Levels of these details. Says what is asked for cards where no level has any.
     fn of(
         details: Vec<Detail>,
+        exposure: Exposure,
         dressing: &Dressing,
         are_cards_missed: bool,
         notes: &mut Vec<String>,
@@ -254,7 +259,7 @@ impl Plan {
         if !branch_cards && !are_cards_missed {
             notes.push(format!("branch_cards: {NO_CARDS}"));
         }
-        Self { details: Some(details) }
+        Self { details: Some(details), exposure }
     }
 
     /// How the tree is dressed in these levels: leaves that are seen on cards alone are small on them, and so may be
@@ -291,7 +296,7 @@ impl Plan {
                 scenes.push(wardrobe.dress(specimen, body, blown, monitor)?);
             }
             Some(details) => {
-                let simplifier = Simplifier::new(tubes, body, monitor)?;
+                let simplifier = Simplifier::seen(tubes, body, &self.exposure, monitor)?;
                 let foliage = &specimen.dressing.foliage;
                 let simplifiers = (0..details.len())
                     .map(|number| simplifier.in_level(foliage, number, monitor))

@@ -11,6 +11,7 @@
 pub mod billboard;
 mod cards;
 mod drawing;
+mod exposure;
 mod forms;
 pub mod impostor;
 mod leaves;
@@ -32,6 +33,7 @@ use linden_skeleton::organs::Organs;
 
 use self::billboard::BillboardError;
 use self::cards::{Burden, Pieces, TRIANGLES};
+use self::exposure::Exposure;
 use self::forms::LevelForms;
 use self::leaves::{Leaves, Which};
 use self::wood::Wood;
@@ -50,7 +52,8 @@ pub struct Detail {
     /// 0 keeps all.
     pub tolerance_m: f32,
     /// Axes that are thinner at their base, metres, are left out with all that leaves from them; 0 keeps
-    /// all. Of axes that are equally thick some stay a little longer, so that not all go at once.
+    /// all. Of axes that are equally thick some stay a little longer, so that not all go at once, and those
+    /// that are seen past the foliage some times longer than those that are hidden in it.
     pub smallest_radius_m: f32,
     /// Share of the leaves that is kept, 0 to 1; with branch cards, of those beside them.
     pub leaf_share: f64,
@@ -62,6 +65,9 @@ pub struct Detail {
 /// Where nodes may be passed over, wood is smooth from a radius on that is greater by this many times the distance
 /// that its axis may then be off.
 const SMOOTH_FROM: f32 = 20.0;
+
+/// Roots and buttresses are seen by all who stand before a tree: of these thinner ones stay than of limbs, in times.
+const AT_FOOT: f32 = 0.5;
 
 impl Detail {
     /// Everything that there is.
@@ -154,6 +160,16 @@ impl<'a> Simplifier<'a> {
     /// # Errors
     /// [`DetailError::Cancelled`], or memory.
     pub fn new(tubes: &Tubes, body: Body<'a>, monitor: &dyn Monitor) -> Result<Self, DetailError> {
+        Self::seen(tubes, body, &Exposure::of(body, monitor)?, monitor)
+    }
+
+    /// The same where it is known what is seen past the foliage.
+    fn seen(
+        tubes: &Tubes,
+        body: Body<'a>,
+        exposure: &Exposure,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DetailError> {
         let nodes = body.skeleton.positions.len() + body.skeleton.axes.len();
         let bytes = body.skeleton.bytes()
             + bytes_of::<[u32; 4]>(nodes + body.organs.len())
@@ -161,7 +177,7 @@ impl<'a> Simplifier<'a> {
         monitor.admit("preparing levels of detail", bytes, "grow a smaller tree")?;
         Ok(Self {
             tubes: *tubes,
-            wood: Arc::new(Wood::new(body.skeleton, monitor)?),
+            wood: Arc::new(Wood::new(body.skeleton, exposure, monitor)?),
             leaves: Arc::new(Leaves::new(body.organs, LevelForms::plain(body.organs), monitor)?),
             organs: body.organs,
             skeleton: body.skeleton,
@@ -199,15 +215,16 @@ impl<'a> Simplifier<'a> {
         Ok(Simplified { skeleton, axes, organs, tubes })
     }
 
-    /// How a level's wood is swept: roots and stubs go as limbs of their thickness do, and so do buttresses.
+    /// How a level's wood is swept: stubs go as limbs of their thickness do, roots and buttresses later.
     fn tubes(&self, detail: &Detail) -> Tubes {
         let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
         if tubes.smooth_wood > 0.0 {
             tubes.smooth_wood +=
                 SMOOTH_FROM * detail.tolerance_m / self.wood.thickest_m().max(f32::MIN_POSITIVE);
         }
-        tubes.features.flare_smallest_m = detail.smallest_radius_m;
-        tubes.features.roots.smallest_m = detail.smallest_radius_m;
+        let smallest_at_foot_m = AT_FOOT * detail.smallest_radius_m;
+        tubes.features.flare_smallest_m = smallest_at_foot_m;
+        tubes.features.roots.smallest_m = smallest_at_foot_m;
         tubes.features.stubs.smallest_m = detail.smallest_radius_m;
         tubes
     }

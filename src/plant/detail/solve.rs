@@ -16,7 +16,7 @@ const LEAVES_AS_THEY_ARE: f64 = 0.7;
 const MOST_SITES: f64 = 0.9;
 /// The least share of a budget that the wood has beside cards, as far as there is any: with less, limbs that are seen
 /// through the crown are left out, and what hangs on them floats in the air (an olive of 5000 triangles).
-const LIMBS: f64 = 0.18;
+const LIMBS: f64 = 0.22;
 /// What a budget of triangles is spent on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Shares {

@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::Detail;
+use super::exposure::Exposure;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Marks, NO_PARENT, Skeleton};
 
@@ -15,6 +16,9 @@ const SPREAD: f32 = 0.5;
 /// What a node counts that lies straight between its neighbours, as a share of their distance: long
 /// straight pieces keep a node or two when there is room.
 const STRAIGHT: f32 = 0.004;
+/// How much longer an axis stays that is seen past the foliage than one that is hidden in it: beside the first what
+/// hangs on it would float in the air.
+const SEEN: f32 = 6.0;
 /// Axes between two looks at the monitor.
 const AXES_PER_CHECK: usize = 1024;
 
@@ -35,7 +39,11 @@ pub(super) struct Wood<'a> {
 }
 
 impl<'a> Wood<'a> {
-    pub fn new(skeleton: &'a Skeleton, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+    pub fn new(
+        skeleton: &'a Skeleton,
+        exposure: &Exposure,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
         let mut axis_of = vec![0; skeleton.positions.len()];
         let mut needed = vec![f32::INFINITY; skeleton.positions.len()];
         let mut stays = Vec::with_capacity(skeleton.axes.len());
@@ -49,7 +57,7 @@ impl<'a> Wood<'a> {
                 axis_of[node as usize] = index as u32;
             }
             let base_m = nodes.first().map_or(0.0, |&node| skeleton.radii[node as usize]);
-            let limit_m = base_m * later(index as u32);
+            let limit_m = base_m * later(index as u32) * (1.0 + SEEN * exposure.at(index));
             let parent_m = match axis.parent {
                 NO_PARENT => f32::INFINITY,
                 node => stays[axis_of[node as usize] as usize],
@@ -225,7 +233,8 @@ mod tests {
     fn nothing_is_left_out_where_nothing_is_to_be() {
         for id in ["fir", "abop-b", "older-shrub"] {
             let whole = skeleton(id);
-            let (thin, axes) = Wood::new(&whole, &Quiet).unwrap().thinned(&with(0.0, 0.0));
+            let (thin, axes) =
+                Wood::new(&whole, &Exposure::default(), &Quiet).unwrap().thinned(&with(0.0, 0.0));
             assert_eq!(thin, *whole, "{id}");
             assert!(axes.into_iter().eq(0..whole.axes.len() as u32));
         }
@@ -235,7 +244,7 @@ mod tests {
     fn what_stays_is_a_tree_of_nodes_that_were_there() {
         for id in ["fir", "abop-b", "sphere"] {
             let whole = skeleton(id);
-            let wood = Wood::new(&whole, &Quiet).unwrap();
+            let wood = Wood::new(&whole, &Exposure::default(), &Quiet).unwrap();
             for (tolerance_m, smallest_m) in [(0.01, 0.0), (0.0, 0.004), (0.05, 0.01), (1e3, 1e3)] {
                 let (thin, axes) = wood.thinned(&with(tolerance_m, smallest_m));
                 let place = |p: &Vec3| p.to_array().map(f32::to_bits);
@@ -273,7 +282,7 @@ mod tests {
     #[test]
     fn axes_stay_within_the_tolerance() {
         let whole = skeleton("sphere");
-        let wood = Wood::new(&whole, &Quiet).unwrap();
+        let wood = Wood::new(&whole, &Exposure::default(), &Quiet).unwrap();
         for tolerance_m in [0.003, 0.02, 0.1] {
             let (thin, axes) = wood.thinned(&with(tolerance_m, 0.0));
             for (axis, &before) in thin.axes.iter().zip(&axes) {
@@ -303,7 +312,7 @@ mod tests {
     #[test]
     fn thin_wood_goes_first_and_takes_what_it_bears() {
         let whole = skeleton("fir");
-        let wood = Wood::new(&whole, &Quiet).unwrap();
+        let wood = Wood::new(&whole, &Exposure::default(), &Quiet).unwrap();
         let base = |axis: &Axis| whole.radii[whole.nodes_of(axis)[0] as usize];
         let mut bases: Vec<f32> = whole.axes.iter().map(base).collect();
         bases.sort_unstable_by(f32::total_cmp);

@@ -40,18 +40,18 @@ const MOST_CARDS: usize = 32;
 const FEWEST_CARDS: usize = 8;
 
 /// An organ or a piece of thin wood in short: where it begins and ends, and how much it counts, square metres.
-struct Rod {
-    node: u32,
-    from: Vec3,
-    to: Vec3,
-    weight: f32,
+pub(super) struct Rod {
+    pub node: u32,
+    pub from: Vec3,
+    pub to: Vec3,
+    pub weight: f32,
 }
 
 /// Wood counts less than its outline: it is seen where there are no leaves.
 const OF_WOOD: f32 = 0.5;
 
-/// All that cards show.
-fn rods<'a>(
+/// All that cards show: organs, and thin wood as far as it is said which is thin.
+pub(super) fn rods<'a>(
     skeleton: &'a Skeleton,
     organs: &'a Organs,
     forms: &'a LevelForms,
@@ -74,13 +74,15 @@ fn rods<'a>(
         let to = from + placed.headings[organ] * size_m;
         Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(least) }
     });
-    let thin = (0..skeleton.positions.len()).filter(|node| is_thin[*node]).filter_map(move |node| {
-        let parent = skeleton.parents[node];
-        let from = *skeleton.positions.get(parent as usize)?;
-        let to = skeleton.positions[node];
-        let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(least);
-        Some(Rod { node: node as u32, from, to, weight })
-    });
+    let thin = (0..skeleton.positions.len()).filter(|node| is_thin.get(*node) == Some(&true)).filter_map(
+        move |node| {
+            let parent = skeleton.parents[node];
+            let from = *skeleton.positions.get(parent as usize)?;
+            let to = skeleton.positions[node];
+            let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(least);
+            Some(Rod { node: node as u32, from, to, weight })
+        },
+    );
     outlines.chain(leaves).chain(thin)
 }
 
