@@ -62,6 +62,33 @@ fn pieces_hang_together_and_hold_every_organ_once() {
     }
 }
 
+#[test]
+fn what_hangs_is_shown_hanging() {
+    let (subject, grown) = subject("weeping-willow", &[]);
+    let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+    let detail = simplifier.within(5000, true, &Quiet).unwrap();
+    let pieces = simplifier.pieces(&detail, &Quiet).unwrap();
+    let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, MOST_CARDS, &Quiet).unwrap();
+    // Which way the leaves of each piece point, in sum.
+    let mut sums = vec![Vec3::ZERO; pieces.cut.pieces.len()];
+    let placed = &grown.organs.placed;
+    for organ in 0..placed.len() {
+        let piece = pieces.cut.piece_of[placed.growth.nodes[organ] as usize];
+        sums[piece as usize] += placed.headings[organ] * placed.sizes_m[organ].powi(2);
+    }
+    let (mut off, mut hanging) = (0, 0);
+    for (piece, sum) in sums.iter().enumerate().filter(|(_, sum)| sum.normalize().y < -0.9) {
+        // What its card shows of the piece that stands for it, as it hangs here.
+        let model = deck.prototypes[usize::from(deck.card_of[piece])] as usize;
+        let (here, there) = (&deck.frames[piece], &deck.frames[model]);
+        let local = there.turned(sums[model].normalize());
+        let shown = here.side() * local.x + here.heading * local.y + here.up * local.z;
+        hanging += 1;
+        off += usize::from(shown.dot(sum.normalize()) < 0.7);
+    }
+    assert!(hanging > 500 && off * 50 < hanging, "{off} of {hanging}");
+}
+
 /// What a scene covers, seen from a side without perspective: each pixel whether anything is there.
 fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec<bool> {
     let mut canvas = Canvas::new(Pixels::new(side, side));
