@@ -74,7 +74,8 @@ fn what_hangs_is_shown_hanging() {
     let placed = &grown.organs.placed;
     for organ in 0..placed.len() {
         let piece = pieces.cut.piece_of[placed.growth.nodes[organ] as usize];
-        sums[piece as usize] += placed.headings[organ] * placed.sizes_m[organ].powi(2);
+        let size_m = placed.sizes_m[organ];
+        sums[piece as usize] += placed.headings[organ] * (size_m * size_m);
     }
     let (mut off, mut hanging) = (0, 0);
     for (piece, sum) in sums.iter().enumerate().filter(|(_, sum)| sum.normalize().y < -0.9) {
