@@ -1,10 +1,10 @@
-//! How much of each axis is seen through the foliage.
+//! How much of each axis is seen past the foliage.
 
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use super::cards::rods;
+use super::cards::organ_rods;
 use super::forms::LevelForms;
 use crate::Body;
 use linden_base::mesh::Bounds;
@@ -34,23 +34,23 @@ impl Exposure {
         let Some(bounds) = bounds.filter(|_| !organs.is_empty()) else {
             return Ok(Self::default());
         };
-        let mut seen = vec![0.0; skeleton.axes.len()];
-        let forms = LevelForms::plain(organs);
-        for direction in 0..DIRECTIONS {
-            monitor.check()?;
-            let plane = Plane::new(bounds, direction);
-            let mut covers = vec![0.0_f32; SQUARES * SQUARES];
-            for rod in rods(skeleton, organs, &forms, &[]) {
-                covers[plane.square(rod.from.midpoint(rod.to))] += COVERED * rod.weight;
+        monitor.check()?;
+        let mut projections: [Projection; DIRECTIONS] =
+            std::array::from_fn(|direction| Projection::new(bounds, direction));
+        for rod in organ_rods(organs, &LevelForms::plain(organs)) {
+            let middle = rod.from.midpoint(rod.to);
+            for projection in &mut projections {
+                projection.cover(middle, COVERED * rod.weight);
             }
-            let through = |place: Vec3| {
-                let layers = covers[plane.square(place)] / (plane.square_m * plane.square_m);
-                libm::expf(-IN_FRONT * layers)
-            };
+        }
+        monitor.check()?;
+        let mut seen = vec![0.0; skeleton.axes.len()];
+        for projection in &projections {
             for (axis, seen) in skeleton.axes.iter().zip(&mut seen) {
                 let nodes = skeleton.nodes_of(axis);
                 let nodes = &nodes[..nodes.len().div_ceil(2)];
-                let sum: f32 = nodes.iter().map(|&node| through(skeleton.positions[node as usize])).sum();
+                let sum: f32 =
+                    nodes.iter().map(|&node| projection.seen(skeleton.positions[node as usize])).sum();
                 *seen += sum / (nodes.len().max(1) * DIRECTIONS) as f32;
             }
         }
@@ -63,14 +63,16 @@ impl Exposure {
     }
 }
 
-/// An upright plane, in squares.
-struct Plane {
+/// An upright plane with the foliage thrown onto it, in squares.
+struct Projection {
     right: Vec2,
     low: Vec2,
     square_m: f32,
+    /// Foliage by square, square metres.
+    covers: Vec<f32>,
 }
 
-impl Plane {
+impl Projection {
     fn new(bounds: Bounds, direction: usize) -> Self {
         let turn = std::f32::consts::PI * direction as f32 / DIRECTIONS as f32;
         let (middle, half) = (bounds.min.midpoint(bounds.max), bounds.size() / 2.0);
@@ -78,7 +80,7 @@ impl Plane {
         let reach = Vec2::new(half.x, half.z).length();
         let longest = (2.0 * reach.max(half.y)).max(f32::MIN_POSITIVE);
         let low = Vec2::new(Vec2::new(middle.x, middle.z).dot(right), middle.y) - longest / 2.0;
-        Self { right, low, square_m: longest / SQUARES as f32 }
+        Self { right, low, square_m: longest / SQUARES as f32, covers: vec![0.0; SQUARES * SQUARES] }
     }
 
     /// The square of a place; what is beside the plane is on its rim.
@@ -86,6 +88,17 @@ impl Plane {
         let at = Vec2::new(Vec2::new(place.x, place.z).dot(self.right), place.y) - self.low;
         let at = (at / self.square_m).clamp(Vec2::ZERO, Vec2::splat(SQUARES as f32 - 1.0));
         at.y as usize * SQUARES + at.x as usize
+    }
+
+    fn cover(&mut self, place: Vec3, area_m2: f32) {
+        let square = self.square(place);
+        self.covers[square] += area_m2;
+    }
+
+    /// The share of what is at a place that is seen.
+    fn seen(&self, place: Vec3) -> f32 {
+        let layers = self.covers[self.square(place)] / (self.square_m * self.square_m);
+        libm::expf(-IN_FRONT * layers)
     }
 }
 
@@ -108,7 +121,7 @@ mod tests {
         (grown, organs, from_m)
     }
 
-    fn exposure(grown: &Grown, organs: Organs) -> Exposure {
+    fn exposed(grown: &Grown, organs: Organs) -> Exposure {
         let organs = Arc::new(organs);
         Exposure::of(Body { organs: &organs, ..body(grown) }, &Quiet).unwrap()
     }
@@ -116,7 +129,7 @@ mod tests {
     #[test]
     fn axes_below_the_foliage_are_seen_and_those_amid_it_are_not() {
         let (grown, organs, from_m) = from(0.5);
-        let exposure = exposure(&grown, organs);
+        let exposure = exposed(&grown, organs);
         let skeleton = &grown.skeleton;
         let (mut below, mut amid) = (Vec::new(), Vec::new());
         for (index, axis) in skeleton.axes.iter().enumerate() {
@@ -139,11 +152,11 @@ mod tests {
     fn more_leaves_hide_more_and_none_hide_nothing() {
         let (grown, half, _) = from(0.5);
         let (_, all, _) = from(0.0);
-        let (half, all) = (exposure(&grown, half), exposure(&grown, all));
+        let (half, all) = (exposed(&grown, half), exposed(&grown, all));
         let count = grown.skeleton.axes.len();
         assert!((0..count).all(|axis| all.at(axis) <= half.at(axis)));
         assert!((0..count).any(|axis| all.at(axis) < 0.5 * half.at(axis)));
-        let bare = self::exposure(&grown, Organs::default());
+        let bare = exposed(&grown, Organs::default());
         assert!((0..count).all(|axis| bare.at(axis) == 0.0), "by thickness alone");
     }
 }

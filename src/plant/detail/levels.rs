@@ -195,7 +195,7 @@ impl Plan {
             return Ok(Self { details: None, exposure: Exposure::default() });
         }
         let exposure = Exposure::of(body, monitor)?;
-        let simplifier = Simplifier::seen(tubes, body, &exposure, monitor)?;
+        let simplifier = Simplifier::with_exposure(tubes, body, &exposure, monitor)?;
         let foliage = &dressing.foliage;
         let full = simplifier.in_level(foliage, 0, monitor)?.full_triangles(monitor)?;
         let mut details = Vec::new();
@@ -296,7 +296,7 @@ impl Plan {
                 scenes.push(wardrobe.dress(specimen, body, blown, monitor)?);
             }
             Some(details) => {
-                let simplifier = Simplifier::seen(tubes, body, &self.exposure, monitor)?;
+                let simplifier = Simplifier::with_exposure(tubes, body, &self.exposure, monitor)?;
                 let foliage = &specimen.dressing.foliage;
                 let simplifiers = (0..details.len())
                     .map(|number| simplifier.in_level(foliage, number, monitor))

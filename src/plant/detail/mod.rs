@@ -66,7 +66,7 @@ pub struct Detail {
 /// that its axis may then be off.
 const SMOOTH_FROM: f32 = 20.0;
 
-/// Roots and buttresses are seen by all who stand before a tree: of these thinner ones stay than of limbs, in times.
+/// Nothing hides roots and buttresses: they are left out below this share of the radius of limbs that are.
 const AT_FOOT: f32 = 0.5;
 
 impl Detail {
@@ -160,11 +160,11 @@ impl<'a> Simplifier<'a> {
     /// # Errors
     /// [`DetailError::Cancelled`], or memory.
     pub fn new(tubes: &Tubes, body: Body<'a>, monitor: &dyn Monitor) -> Result<Self, DetailError> {
-        Self::seen(tubes, body, &Exposure::of(body, monitor)?, monitor)
+        Self::with_exposure(tubes, body, &Exposure::of(body, monitor)?, monitor)
     }
 
     /// The same where it is known what is seen past the foliage.
-    fn seen(
+    fn with_exposure(
         tubes: &Tubes,
         body: Body<'a>,
         exposure: &Exposure,

@@ -340,6 +340,22 @@ mod tests {
         assert!(checked > 60, "{checked}");
     }
 
+    #[test]
+    fn beside_cards_wood_has_its_least_share() {
+        let tree = |wood| Amount { wood, leaves: 500_000, sites: 100_000 };
+        let wood_of = |wood| {
+            let shares = shares(5000, tree(wood), true);
+            assert!(shares.in_cards);
+            shares.wood
+        };
+        assert_eq!(wood_of(100_000), 1100, "22 %");
+        assert_eq!(wood_of(900), 900, "no more than there is");
+        assert!(
+            shares(5000, tree(100_000), false).wood < 1100,
+            "leaves that are thinned out take what they need"
+        );
+    }
+
     /// From where a forest is seen, a tree of a game has some hundreds.
     #[test]
     fn the_largest_plants_can_be_had_in_500_triangles() {

@@ -16,8 +16,8 @@ const SPREAD: f32 = 0.5;
 /// What a node counts that lies straight between its neighbours, as a share of their distance: long
 /// straight pieces keep a node or two when there is room.
 const STRAIGHT: f32 = 0.004;
-/// How much longer an axis stays that is seen past the foliage than one that is hidden in it: beside the first what
-/// hangs on it would float in the air.
+/// An axis that is seen whole past the foliage counts as thicker by this many times its radius than one that is hidden
+/// in it: without the first, what hangs on it would float.
 const SEEN: f32 = 6.0;
 /// Axes between two looks at the monitor.
 const AXES_PER_CHECK: usize = 1024;
@@ -222,7 +222,7 @@ impl Splitter {
 mod tests {
     use super::*;
     use crate::surface::Tubes;
-    use crate::testing::skeleton;
+    use crate::testing::{Subject, body, skeleton};
     use linden_base::monitor::Quiet;
 
     fn with(tolerance_m: f32, smallest_radius_m: f32) -> Detail {
@@ -277,6 +277,26 @@ mod tests {
                 "foot and tip of the stem"
             );
         }
+    }
+
+    #[test]
+    fn what_is_seen_past_the_foliage_stays_longer() {
+        let grown = Subject::builtin("olive", &[]).grow();
+        let exposure = Exposure::of(body(&grown), &Quiet).unwrap();
+        let by_sight = Wood::new(&grown.skeleton, &exposure, &Quiet).unwrap();
+        let by_thickness = Wood::new(&grown.skeleton, &Exposure::default(), &Quiet).unwrap();
+        let stay = |wood: &Wood<'_>| -> Vec<u32> { wood.thinned(&with(0.0, 0.06)).1 };
+        let (with_sight, without) = (stay(&by_sight), stay(&by_thickness));
+        assert!(without.iter().all(|axis| with_sight.contains(axis)), "none goes earlier");
+        let more: Vec<u32> = with_sight.into_iter().filter(|axis| !without.contains(axis)).collect();
+        let seen = |axis: u32| exposure.at(axis as usize);
+        let mean = |axes: &mut dyn Iterator<Item = u32>| {
+            let (sum, count) = axes.fold((0.0, 0.0), |(sum, count), axis| (sum + seen(axis), count + 1.0));
+            sum / count
+        };
+        let all = mean(&mut (0..grown.skeleton.axes.len() as u32));
+        let (count, more) = (more.len(), mean(&mut more.into_iter()));
+        assert!(count > 10 && more > 1.5 * all, "{count}: {more} of {all}");
     }
 
     #[test]

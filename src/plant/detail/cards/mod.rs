@@ -41,7 +41,7 @@ const FEWEST_CARDS: usize = 8;
 
 /// An organ or a piece of thin wood in short: where it begins and ends, and how much it counts, square metres.
 pub(super) struct Rod {
-    pub node: u32,
+    node: u32,
     pub from: Vec3,
     pub to: Vec3,
     pub weight: f32,
@@ -49,15 +49,28 @@ pub(super) struct Rod {
 
 /// Wood counts less than its outline: it is seen where there are no leaves.
 const OF_WOOD: f32 = 0.5;
+/// What has no size counts this much, square metres: sums of weights are divided by.
+const LEAST_WEIGHT: f32 = 1e-12;
 
-/// All that cards show: organs, and thin wood as far as it is said which is thin.
-pub(super) fn rods<'a>(
+/// All that cards show.
+fn rods<'a>(
     skeleton: &'a Skeleton,
     organs: &'a Organs,
     forms: &'a LevelForms,
     is_thin: &'a [bool],
 ) -> impl Iterator<Item = Rod> + 'a {
-    let least = 1e-12;
+    let thin = (0..skeleton.positions.len()).filter(|node| is_thin[*node]).filter_map(move |node| {
+        let parent = skeleton.parents[node];
+        let from = *skeleton.positions.get(parent as usize)?;
+        let to = skeleton.positions[node];
+        let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(LEAST_WEIGHT);
+        Some(Rod { node: node as u32, from, to, weight })
+    });
+    organ_rods(organs, forms).chain(thin)
+}
+
+/// The organs that cards may show.
+pub(super) fn organ_rods<'a>(organs: &'a Organs, forms: &'a LevelForms) -> impl Iterator<Item = Rod> + 'a {
     let polygons = organs.polygons.ends.len();
     let is_shown = move |organ: &usize| forms.may_be_on_cards(organs, *organ);
     let outlines = (0..polygons).filter(is_shown).filter_map(move |polygon| {
@@ -65,25 +78,16 @@ pub(super) fn rods<'a>(
         let from = *corners.first()?;
         // Opposite to where it is attached.
         let to = corners[corners.len() / 2];
-        let weight = from.distance_squared(to).max(least);
+        let weight = from.distance_squared(to).max(LEAST_WEIGHT);
         Some(Rod { node: organs.polygons.growth.nodes[polygon], from, to, weight })
     });
     let placed = &organs.placed;
     let leaves = (0..placed.len()).filter(move |organ| is_shown(&(polygons + organ))).map(move |organ| {
         let (from, size_m) = (placed.positions[organ], placed.sizes_m[organ]);
         let to = from + placed.headings[organ] * size_m;
-        Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(least) }
+        Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(LEAST_WEIGHT) }
     });
-    let thin = (0..skeleton.positions.len()).filter(|node| is_thin.get(*node) == Some(&true)).filter_map(
-        move |node| {
-            let parent = skeleton.parents[node];
-            let from = *skeleton.positions.get(parent as usize)?;
-            let to = skeleton.positions[node];
-            let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(least);
-            Some(Rod { node: node as u32, from, to, weight })
-        },
-    );
-    outlines.chain(leaves).chain(thin)
+    outlines.chain(leaves)
 }
 
 /// A level's pieces, with the wood that is not among them.

@@ -243,4 +243,12 @@ fn cards_show_twigs_in_seasons_without_leaves() {
     assert!(summer <= 12_000 && winter <= 14_000, "{summer} {winter}");
     assert!(green[1] > 1.5 * green[0], "{green:?}");
     assert!(brown[1] < 1.2 * brown[0], "{brown:?}");
+    // What is seen past the leaves decides which wood stays: past those of summer, in winter too.
+    let wood = |season: usize| {
+        let scene = &year.seasons[season].1[0].scene;
+        let parts = scene.parts.iter().filter(|part| part.name != "branches");
+        parts.map(|part| (part.name.clone(), part.mesh.positions.clone())).collect::<Vec<_>>()
+    };
+    assert!(!wood(0).is_empty());
+    assert_eq!(wood(0), wood(1));
 }
