@@ -10,6 +10,7 @@
 //! | [`memory`] | forecasts of memory, and the error when there is not enough |
 //! | [`input`] | meshes, points and pictures that users bring, from their bytes |
 //! | [`mesh`] | triangles, and boxes around them |
+//! | [`last`] | the last thing that was worked out, kept for whoever asks again |
 //! | [`hull`] | convex hulls of points, in the plane and in space |
 //! | [`topology`] | whether a mesh is closed, and what is wrong with it |
 //! | [`picture`] | pixels, and what they are as PNG, JPEG and WebP |
@@ -29,6 +30,7 @@ pub mod document;
 pub mod hull;
 pub mod input;
 pub mod knob;
+pub mod last;
 pub mod memory;
 pub mod mesh;
 pub mod monitor;

@@ -135,9 +135,11 @@ fn line(subject: &Subject, survey: Survey, row: &Row) -> String {
     format!("| {} |", cells.join(" | "))
 }
 
+/// Of an even number the mean of the two in the middle.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    let (low, high) = ((values.len() - 1) / 2, values.len() / 2);
+    f64::midpoint(values[low], values[high])
 }
 
 /// Within what a user can rely on; the table has the figures.

@@ -12,7 +12,8 @@ fn is_growing(workbench: &Workbench) -> bool {
 #[test]
 fn each_key_is_answered_before_the_tree_has_grown() {
     let home = Home::new();
-    let workbench = Workbench::while_it_grows(&home, 150_000);
+    // So large that no machine is done with it before all keys are answered, however late its terminal.
+    let workbench = Workbench::while_it_grows(&home, 1_000_000);
     workbench.keys("\t\t");
     workbench.wait_for("the form's hints", |screen| screen.footer().contains("More"));
     for round in 0..20 {
@@ -26,12 +27,6 @@ fn each_key_is_answered_before_the_tree_has_grown() {
     workbench.wait_for("the form", |screen| screen.footer().contains("More"));
     // All of that while no tree was there yet.
     assert!(is_growing(&workbench), "{}", workbench.screen().text());
-    let screen = workbench.wait_for("the tree", |screen| screen.row(0).contains(" nodes"));
-    let title = screen.row(0);
-    // `… seed 1 · 163 234 nodes · …`
-    let figure: Vec<&str> = title.split(" nodes").next().unwrap().rsplit(' ').take(2).collect();
-    let nodes: u64 = format!("{}{}", figure[1], figure[0]).parse().unwrap_or(0);
-    assert!(nodes >= 100_000, "{title}");
 }
 
 #[test]

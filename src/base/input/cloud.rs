@@ -1,9 +1,8 @@
 //! Points, with the numbers of the trees that a segmentation gave them to.
 
-use std::sync::{Arc, Mutex, PoisonError};
-
 use glam::DVec3;
 
+use crate::last::Last;
 use crate::memory::bytes_of;
 
 /// Points as a file has them.
@@ -19,10 +18,10 @@ pub struct Cloud {
     pub cell: Option<f64>,
     /// Of what these are a part, where they were thinned.
     pub thinned: Option<Thinned>,
-    /// What they became by thinning last, so that it is done once.
-    pub thinning_cache: ThinningCache,
-    /// The column that was worked out from the positions last, so that it is worked out once.
-    pub segmentation_cache: SegmentationCache,
+    /// What they became by thinning last, by the sides of the cubes.
+    pub thinning_cache: Last<f64, Self>,
+    /// The column that was worked out from the positions last, by the rule for it.
+    pub segmentation_cache: Last<String, TreeColumn>,
 }
 
 /// How points were thinned.
@@ -32,87 +31,6 @@ pub struct Thinned {
     pub cube: f64,
     /// How many points there were.
     pub of: u64,
-}
-
-/// A thinned cloud, kept for whoever asks for the same again. It is no part of what a cloud is: clouds with and without are
-/// equal.
-#[derive(Clone, Debug, Default)]
-pub struct ThinningCache(Arc<Mutex<Option<Arc<Cloud>>>>);
-
-impl PartialEq for ThinningCache {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl ThinningCache {
-    /// The cloud of these cubes, which `thin` gives if nobody asked for it before.
-    ///
-    /// # Errors
-    /// Those of `thin`.
-    pub fn get<E>(&self, cube: f64, thin: impl FnOnce() -> Result<Cloud, E>) -> Result<Arc<Cloud>, E> {
-        let is_it = |cloud: &&Arc<Cloud>| cloud.thinned.is_some_and(|thinned| thinned.cube == cube);
-        let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(cloud) = kept().as_ref().filter(is_it) {
-            return Ok(cloud.clone());
-        }
-        let cloud = Arc::new(thin()?);
-        *kept() = Some(cloud.clone());
-        Ok(cloud)
-    }
-
-    fn bytes(&self) -> u64 {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.as_ref().map_or(0, |cloud| cloud.bytes())
-    }
-}
-
-/// A column that follows from positions and some rule, kept for whoever asks by the same rule again. It is no part of what
-/// a cloud is: clouds with and without are equal.
-#[derive(Clone, Debug, Default)]
-pub struct SegmentationCache(Arc<Mutex<Option<Kept>>>);
-
-#[derive(Clone, Debug)]
-struct Kept {
-    rule: String,
-    column: Arc<TreeColumn>,
-}
-
-impl PartialEq for SegmentationCache {
-    fn eq(&self, _: &Self) -> bool {
-        true
-    }
-}
-
-impl SegmentationCache {
-    /// The column by a rule, if it is the last that was worked out.
-    pub fn peek(&self, rule: &str) -> Option<Arc<TreeColumn>> {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.as_ref().filter(|kept| kept.rule == rule).map(|kept| kept.column.clone())
-    }
-
-    /// The column by a rule, which `work_out` gives if nobody asked for it before.
-    ///
-    /// # Errors
-    /// Those of `work_out`.
-    pub fn get<E>(
-        &self,
-        rule: &str,
-        work_out: impl FnOnce() -> Result<TreeColumn, E>,
-    ) -> Result<Arc<TreeColumn>, E> {
-        if let Some(column) = self.peek(rule) {
-            return Ok(column);
-        }
-        let column = Arc::new(work_out()?);
-        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        *kept = Some(Kept { rule: rule.to_owned(), column: column.clone() });
-        Ok(column)
-    }
-
-    fn bytes(&self) -> u64 {
-        let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.as_ref().map_or(0, |kept| bytes_of::<u32>(kept.column.numbers.capacity()))
-    }
 }
 
 /// The number of the tree that each point belongs to.
@@ -136,13 +54,13 @@ pub struct LeafColumn {
 impl Cloud {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        let columns = self.trees.iter().map(|column| bytes_of::<u32>(column.numbers.capacity()));
+        let of_column = |column: &TreeColumn| bytes_of::<u32>(column.numbers.capacity());
         let leaves = self.leaves.as_ref().map_or(0, |column| bytes_of::<bool>(column.is_leaf.capacity()));
         leaves
             + bytes_of::<DVec3>(self.positions.capacity())
-            + columns.sum::<u64>()
-            + self.segmentation_cache.bytes()
-            + self.thinning_cache.bytes()
+            + self.trees.iter().map(of_column).sum::<u64>()
+            + self.segmentation_cache.kept().map_or(0, |column| of_column(&column))
+            + self.thinning_cache.kept().map_or(0, |cloud| cloud.bytes())
     }
 }
 

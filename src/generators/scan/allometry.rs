@@ -11,8 +11,8 @@ use super::circle::median;
 /// Classes of growth length are this wide, as natural logarithms.
 const CLASS: f64 = 0.4;
 
-/// Measured nodes in a class at least.
-const LEAST_NODES: usize = 4;
+/// Places in a class where the radius was measured, at least.
+const LEAST_PLACES: u32 = 4;
 
 /// Wood of which fewer of the nodes that points are around show a circle, of 1, is not known: circles that are rare are such
 /// as neighbouring twigs and noise have made round, and thicker than the wood.
@@ -44,6 +44,17 @@ pub(crate) fn growth_lengths_m(parents: &[u32], length_m: impl Fn(usize) -> f64)
     growth
 }
 
+/// A node that points are around.
+#[derive(Clone, Copy)]
+pub(crate) struct Looked {
+    /// The length of the wood that it bears, metres.
+    pub growth_m: f64,
+    /// Metres; 0 where no circle is believed.
+    pub radius_m: f64,
+    /// For how many places it stands: where points are few, one circle is put through a longer stretch.
+    pub places: u32,
+}
+
 /// Radius by growth length.
 pub(crate) struct Allometry {
     /// Logarithms of growth length and radius, both rising.
@@ -59,29 +70,32 @@ fn class(growth_m: f64) -> i64 {
 }
 
 impl Allometry {
-    /// From growth lengths and radii (0 where no circle is believed) of the nodes that points are around, metres; `None` for
-    /// too few.
-    pub fn of(nodes: &[(f64, f64)]) -> Option<Self> {
-        let mut sorted: Vec<(f64, f64)> = nodes.iter().copied().filter(|m| m.0 > 0.0).collect();
-        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    /// From the nodes that points are around; `None` for too few.
+    pub fn of(nodes: &[Looked]) -> Option<Self> {
+        let mut sorted: Vec<Looked> = nodes.iter().copied().filter(|m| m.growth_m > 0.0).collect();
+        sorted.sort_unstable_by(|a, b| {
+            a.growth_m.total_cmp(&b.growth_m).then(a.radius_m.total_cmp(&b.radius_m))
+        });
+        let is_same = |a: &Looked, b: &Looked| class(a.growth_m) == class(b.growth_m);
+        let places = |nodes: &[Looked]| nodes.iter().map(|m| m.places).sum::<u32>();
         let mut unknown = Vec::new();
-        for same in sorted.chunk_by(|a, b| class(a.0) == class(b.0)) {
-            let believed = same.iter().filter(|m| m.1 > 0.0).count();
-            if (believed as f64) < LEAST_SHARE * same.len() as f64 {
-                unknown.push(class(same[0].0));
+        for same in sorted.chunk_by(is_same) {
+            let believed = same.iter().filter(|m| m.radius_m > 0.0).map(|m| m.places).sum::<u32>();
+            if f64::from(believed) < LEAST_SHARE * f64::from(places(same)) {
+                unknown.push(class(same[0].growth_m));
             }
         }
-        sorted.retain(|m| m.1 > 0.0 && unknown.binary_search(&class(m.0)).is_err());
+        sorted.retain(|m| m.radius_m > 0.0 && unknown.binary_search(&class(m.growth_m)).is_err());
         // Class after class: (logarithm of length, radius, weight), merged where the radius would shrink.
         let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
-        let least = LEAST_NODES.min(sorted.len());
-        for same in sorted.chunk_by(|a, b| class(a.0) == class(b.0)) {
-            if same.len() < least {
+        let least = LEAST_PLACES.min(places(&sorted));
+        for same in sorted.chunk_by(is_same) {
+            if places(same) < least {
                 continue;
             }
-            let mut lengths: Vec<f64> = same.iter().map(|m| libm::log(m.0)).collect();
-            let mut radii: Vec<f64> = same.iter().map(|m| m.1).collect();
-            let weight = same.len() as f64;
+            let weight = f64::from(places(same));
+            let mut lengths: Vec<f64> = same.iter().map(|m| libm::log(m.growth_m)).collect();
+            let mut radii: Vec<f64> = same.iter().map(|m| m.radius_m).collect();
             let mut block = (median(&mut lengths)?, libm::log(median(&mut radii)?), weight);
             while let Some(before) = blocks.pop_if(|before| before.1 > block.1) {
                 let total = before.2 + block.2;
@@ -126,10 +140,11 @@ mod tests {
     fn wood_that_bears_more_is_thicker() {
         // r = 3 mm · GL^0.4, with every seventh node three times too thick.
         let law = |growth: f64| 0.003 * libm::pow(growth, 0.4);
-        let measured: Vec<(f64, f64)> = (1..2000)
+        let measured: Vec<Looked> = (1..2000)
             .map(|i| {
-                let growth = 0.5 * libm::pow(1.004, f64::from(i));
-                (growth, law(growth) * if i % 7 == 0 { 3.0 } else { 1.0 })
+                let growth_m = 0.5 * libm::pow(1.004, f64::from(i));
+                let times = if i % 7 == 0 { 3.0 } else { 1.0 };
+                Looked { growth_m, radius_m: law(growth_m) * times, places: 1 }
             })
             .collect();
         let found = Allometry::of(&measured).unwrap();
@@ -147,15 +162,16 @@ mod tests {
     #[test]
     fn rare_circles_make_no_twigs_thick() {
         let law = |growth: f64| 0.003 * libm::pow(growth, 0.4);
-        let nodes: Vec<(f64, f64)> = (1..2000)
+        let nodes: Vec<Looked> = (1..2000)
             .map(|i| {
-                let growth = 0.05 * libm::pow(1.005, f64::from(i));
-                let seen = match i % 10 {
-                    _ if growth > 50.0 => law(growth),
-                    0 | 1 => 10.0 * law(growth),
-                    _ => 0.0,
+                let growth_m = 0.05 * libm::pow(1.005, f64::from(i));
+                // Three in ten of such nodes show one, but those that do not stand for longer stretches.
+                let (radius_m, places) = match i % 10 {
+                    _ if growth_m > 50.0 => (law(growth_m), 1),
+                    0..3 => (10.0 * law(growth_m), 1),
+                    _ => (0.0, 2),
                 };
-                (growth, seen)
+                Looked { growth_m, radius_m, places }
             })
             .collect();
         let found = Allometry::of(&nodes).unwrap();

@@ -185,24 +185,39 @@ pub(crate) fn arc_factor(arc_rad: f64) -> f64 {
 
 /// One step for centre and radius; `None` where the points do not tell.
 fn newton(flat: &[Flat], [x, y, r]: [f64; 3], reach: f64) -> Option<[f64; 3]> {
-    let mut m = [[0.0_f64; 4]; 3];
-    for &(px, py) in flat {
+    let per_reach = reach.recip();
+    // The normal equations of rows (u, v, 1), where (u, v) leads from the centre to the point.
+    let [uu, uv, vv, u, v, one, u_off, v_off, off] = sums(flat, |(px, py)| {
         let (dx, dy) = (px - x, py - y);
         let d = (dx * dx + dy * dy).sqrt();
-        let residual = (d - r) / reach;
-        if d <= 0.0 || residual.abs() >= 1.0 {
-            continue;
-        }
-        let weight = (1.0 - residual * residual) * (1.0 - residual * residual);
-        let row = [dx / d, dy / d, 1.0];
-        for i in 0..3 {
-            for j in 0..3 {
-                m[i][j] += weight * row[i] * row[j];
-            }
-            m[i][3] += weight * row[i] * (d - r);
+        let per_d = d.max(f64::MIN_POSITIVE).recip();
+        let (u, v, off) = (dx * per_d, dy * per_d, d - r);
+        let residual = off * per_reach;
+        let root = (1.0 - residual * residual).max(0.0);
+        let weight = if d > 0.0 { root * root } else { 0.0 };
+        let (wu, wv, w_off) = (weight * u, weight * v, weight * off);
+        [wu * u, wu * v, wv * v, wu, wv, weight, w_off * u, w_off * v, w_off]
+    });
+    solve([[uu, uv, u, u_off], [uv, vv, v, v_off], [u, v, one, off]])
+}
+
+/// What `of` makes of points, summed up; by turns in two sums, which processors add at once.
+fn sums<const N: usize>(flat: &[Flat], of: impl Fn(Flat) -> [f64; N]) -> [f64; N] {
+    let (pairs, rest) = flat.as_chunks::<2>();
+    let mut both = [[0.0; 2]; N];
+    for &[a, b] in pairs {
+        let (a, b) = (of(a), of(b));
+        for (i, both) in both.iter_mut().enumerate() {
+            *both = [both[0] + a[i], both[1] + b[i]];
         }
     }
-    solve(m)
+    let mut sums = both.map(|[a, b]| a + b);
+    for &point in rest {
+        for (sum, more) in sums.iter_mut().zip(of(point)) {
+            *sum += more;
+        }
+    }
+    sums
 }
 
 /// Solves three equations (Gauss, with pivots).
@@ -226,19 +241,14 @@ fn solve(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
 
 /// Taubin's circle: Newton's steps on the characteristic cubic (Chernov 2010, *Circular and linear regression*).
 pub(crate) fn taubin(flat: &[Flat]) -> Option<[f64; 3]> {
-    let n = flat.len() as f64;
-    let (mx, my) = flat.iter().fold((0.0, 0.0), |m, p| (m.0 + p.0 / n, m.1 + p.1 / n));
-    let (mut xx, mut xy, mut yy, mut xz, mut yz, mut zz) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-    for &(x, y) in flat {
+    let per_point = (flat.len() as f64).recip();
+    let [mx, my] = sums(flat, |(x, y)| [x, y]).map(|sum| sum * per_point);
+    let of_point = |(x, y): Flat| {
         let (x, y) = (x - mx, y - my);
         let z = x * x + y * y;
-        xx += x * x / n;
-        xy += x * y / n;
-        yy += y * y / n;
-        xz += x * z / n;
-        yz += y * z / n;
-        zz += z * z / n;
-    }
+        [x * x, x * y, y * y, x * z, y * z, z * z]
+    };
+    let [xx, xy, yy, xz, yz, zz] = sums(flat, of_point).map(|sum| sum * per_point);
     let z = xx + yy;
     let covariance = xx * yy - xy * xy;
     if !(covariance > 1e-9 * z * z) {

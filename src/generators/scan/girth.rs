@@ -14,10 +14,10 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::allometry::{Allometry, growth_lengths_m};
+use super::allometry::{Allometry, Looked, growth_lengths_m};
 use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD, median};
 use super::segments::{Nearest, Segments};
-use super::stretch::{ByNode, STATION_M, STATION_RADII, Seen, Stretch};
+use super::stretch::{ByNode, Seen, Station, Stretch};
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, axes_by_tips, count_tips};
@@ -138,8 +138,8 @@ struct Round {
     circles: Vec<Option<(Circle, DVec3)>>,
     /// For each point its segment.
     nearest: Vec<Nearest>,
-    /// Nodes around which a circle was looked for.
-    looked: Vec<bool>,
+    /// For each node around which a circle was looked for what it stands for.
+    looked: Vec<Option<Station>>,
     /// Standard deviation of the points off the bark.
     error_m: f64,
     /// For each node what no radius is above.
@@ -161,7 +161,7 @@ impl Round {
         let tips = count_tips(parents);
         let (axes, axis_nodes) = axes_by_tips(positions, parents, None);
         let mut circles: Vec<Option<(Circle, DVec3)>> = vec![None; positions.len()];
-        let mut looked = vec![false; positions.len()];
+        let mut looked = vec![None; positions.len()];
         // Order by order: where a lateral leaves thick wood, the bark around its start is its parent's.
         for order in 0..=axes.iter().map(|axis| axis.order).max().unwrap_or(0) {
             let found: Vec<Seen> = axes
@@ -175,8 +175,8 @@ impl Round {
                 })
                 .collect::<Result<Vec<_>, Cancelled>>()?
                 .concat();
-            for (node, circle) in found {
-                looked[node as usize] = true;
+            for Seen { node, circle, station } in found {
+                looked[node as usize] = Some(station);
                 // A thing of leaves is no wood to leave from.
                 circles[node as usize] = circle.filter(|(c, _)| c.mad_m < 1.5 * ROUND * c.radius_m);
             }
@@ -310,8 +310,12 @@ impl Round {
                 };
             }
         }
-        let nodes = (0..positions.len()).filter(|&node| self.looked[node]);
-        let known: Vec<(f64, f64)> = nodes.map(|node| (growth_m[node], seen[node].unwrap_or(0.0))).collect();
+        let known: Vec<Looked> = (0..positions.len())
+            .filter_map(|node| {
+                let places = self.looked[node]?.places;
+                Some(Looked { growth_m: growth_m[node], radius_m: seen[node].unwrap_or(0.0), places })
+            })
+            .collect();
         let allometry = Allometry::of(&known)?;
         for node in (0..positions.len()).filter(|&node| !allometry.is_known(growth_m[node])) {
             (seen[node], fits[node]) = (None, RadiusFit::GUESSED);
@@ -351,7 +355,9 @@ impl Round {
                     (Some(a), Some(b)) => {
                         let apart_m = along_m[b] - along_m[a];
                         let nearer = if along_m[i] - along_m[a] < 0.5 * apart_m { a } else { b };
-                        let is_seen = apart_m <= 2.0 * STATION_M.max(STATION_RADII * radius(a));
+                        // The next looked at is the first node that is so far away.
+                        let station = self.looked[nodes[a] as usize];
+                        let is_seen = station.is_some_and(|station| apart_m <= 2.0 * station.length_m);
                         fits[node as usize] = if is_seen {
                             fits[nodes[nearer] as usize]
                         } else {

@@ -13,10 +13,12 @@ const ENOUGH_POINTS: usize = 80;
 /// How far a stretch reaches to either side of its node: at least, and at most while points are few.
 const REACH_M: (f64, f64) = (0.04, 0.3);
 
-/// From one circle to the next along an axis, at least: metres, and radii of the last. Nodes between two believed
-/// ones that are no farther apart lie in what was looked at.
-pub const STATION_M: f64 = 0.04;
-pub const STATION_RADII: f64 = 0.5;
+/// From one circle to the next along an axis, at least: metres, and radii of the last.
+const STATION_M: f64 = 0.04;
+const STATION_RADII: f64 = 0.5;
+
+/// And reaches of its stretch: what lies nearer would be told by the same points.
+const STATION_REACHES: f64 = 0.5;
 
 /// And as many radii at least, up to so many metres.
 const REACH_RADII: f64 = 1.0;
@@ -25,8 +27,23 @@ const FARTHEST_M: f64 = 0.5;
 /// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
 const BASE: f64 = 1.3;
 
-/// A node with the circle around it and the middle of that.
-pub type Seen = (u32, Option<(Circle, DVec3)>);
+/// A node around which a circle was looked for.
+#[derive(Clone, Copy)]
+pub struct Seen {
+    pub node: u32,
+    /// The circle, and where its middle is.
+    pub circle: Option<(Circle, DVec3)>,
+    pub station: Station,
+}
+
+/// What a node around which a circle was looked for stands for.
+#[derive(Clone, Copy)]
+pub struct Station {
+    /// Metres along the axis to the next one, and on to the node there.
+    pub length_m: f64,
+    /// At how many nodes, itself among them, one would have been looked for had points been enough.
+    pub places: u32,
+}
 
 /// Indices of points by the node that their nearest segment ends in.
 pub struct ByNode {
@@ -72,6 +89,8 @@ pub struct Stretch<'a> {
     inside: usize,
     bark: &'a [Vec3],
     by_node: &'a ByNode,
+    /// How many points lie beside the nodes before each, and beside all.
+    points_before: Vec<u32>,
     /// Points around a node that are looked at.
     most_points: usize,
 }
@@ -99,7 +118,11 @@ impl<'a> Stretch<'a> {
             NO_PARENT => 0,
             fork => at.iter().take_while(|p| p.distance(base) < BASE * thick_m(fork)).count(),
         };
-        Self { nodes, at, from, along_m, inside, bark, by_node, most_points }
+        let mut points_before = vec![0];
+        for (i, &node) in nodes.iter().enumerate() {
+            points_before.push(points_before[i] + by_node.of(node).len() as u32);
+        }
+        Self { nodes, at, from, along_m, inside, bark, by_node, points_before, most_points }
     }
 
     /// The nodes whose segments reach within `reach_m` of the `i`-th, along the axis.
@@ -117,37 +140,52 @@ impl<'a> Stretch<'a> {
         (self.at[to] - self.from[range.start.min(i)]).try_normalize()
     }
 
-    /// Nodes with the circles around them, one every few centimetres or half a radius.
+    /// Circles around nodes, one every few centimetres, half a radius or half of the stretch that it takes.
     pub fn circles(&self, monitor: &dyn Monitor) -> Result<Vec<Seen>, Cancelled> {
-        let mut found = Vec::new();
-        let mut next_m = 0.0;
-        for i in 0..self.nodes.len() {
-            if self.along_m[i] < next_m {
+        let mut found: Vec<Seen> = Vec::new();
+        let (mut next_m, mut place_m, mut least_m) = (0.0, 0.0, 0.0);
+        for (i, &node) in self.nodes.iter().enumerate() {
+            let along_m = self.along_m[i];
+            if let Some(last) = found.last_mut()
+                && along_m < next_m
+            {
+                if along_m >= place_m {
+                    last.station.places += 1;
+                    place_m = along_m + least_m;
+                }
                 continue;
             }
             // Thousands of points may lie beside one node.
             monitor.check()?;
-            let circle = self.circle(i);
+            let reach_m = self.reach_m(i);
+            let circle = self.circle(i, reach_m);
             let radius_m = circle.map_or(0.0, |(circle, _)| circle.radius_m);
-            next_m = self.along_m[i] + STATION_M.max(STATION_RADII * radius_m.min(FARTHEST_M));
-            found.push((self.nodes[i], circle));
+            least_m = STATION_M.max(STATION_RADII * radius_m.min(FARTHEST_M));
+            let length_m = least_m.max(STATION_REACHES * reach_m);
+            (place_m, next_m) = (along_m + least_m, along_m + length_m);
+            found.push(Seen { node, circle, station: Station { length_m, places: 1 } });
         }
         Ok(found)
     }
 
-    /// The circle around the `i`-th node, through the points of as long a stretch as it takes; and its centre.
-    fn circle(&self, i: usize) -> Option<(Circle, DVec3)> {
-        if i < self.inside {
-            return None;
-        }
-        let count = |reach_m: f64| {
-            self.around(i, reach_m).map(|k| self.by_node.of(self.nodes[k]).len()).sum::<usize>()
-        };
+    /// How many points lie beside the axis within a reach of the `i`-th node.
+    fn count(&self, i: usize, reach_m: f64) -> usize {
+        let range = self.around(i, reach_m);
+        (self.points_before[range.end] - self.points_before[range.start]) as usize
+    }
+
+    /// As far as it takes for enough points.
+    fn reach_m(&self, i: usize) -> f64 {
         let mut reach_m = REACH_M.0;
-        while reach_m < REACH_M.1 && count(reach_m) < ENOUGH_POINTS {
+        while reach_m < REACH_M.1 && self.count(i, reach_m) < ENOUGH_POINTS {
             reach_m *= 1.4;
         }
-        if count(reach_m) < LEAST_POINTS {
+        reach_m
+    }
+
+    /// The circle around the `i`-th node, through the points within a reach, or a longer one for thick wood; and its centre.
+    fn circle(&self, i: usize, reach_m: f64) -> Option<(Circle, DVec3)> {
+        if i < self.inside || self.count(i, reach_m) < LEAST_POINTS {
             return None;
         }
         let found = self.fit(i, reach_m)?;
@@ -160,7 +198,7 @@ impl<'a> Stretch<'a> {
         let middle = self.at[i];
         let (u, v) = self.direction(i, reach_m)?.any_orthonormal_pair();
         let range = self.around(i, reach_m);
-        let count: usize = range.clone().map(|k| self.by_node.of(self.nodes[k]).len()).sum();
+        let count = self.count(i, reach_m);
         let stride = count.div_ceil(self.most_points).max(1);
         let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
         let mut n = 0;

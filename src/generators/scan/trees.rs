@@ -55,7 +55,7 @@ pub(crate) fn columns<'a>(
         }
         Some(cell) => {
             let scale = settings.scale.unwrap_or(1.0);
-            cloud.segmentation_cache.get(&format!("tops {scale}"), || {
+            cloud.segmentation_cache.get(format!("tops {scale}"), || {
                 let told = crowns::tell_apart(&cloud.positions, cell, scale);
                 told.map_err(|problem| {
                     ScanGrowthError::Trees(format!("{}: {problem}", printable(&settings.file)))
@@ -65,7 +65,7 @@ pub(crate) fn columns<'a>(
         None if by_paths => {
             let rule = plot_rule(settings, usual);
             let work_out = || tell_apart(&cloud.positions, &rule, monitor).map_err(ScanGrowthError::from);
-            let column = cloud.segmentation_cache.get(&format!("{rule:?}"), work_out)?;
+            let column = cloud.segmentation_cache.get(format!("{rule:?}"), work_out)?;
             if column.numbers.iter().all(|&number| number == 0) {
                 return refused(
                     "no stem of a tree stands on the ground there; are scale= and up= right, and is it seen 0.4 to 3 m above the ground?",
