@@ -3,12 +3,12 @@
 
 use crate::program::{Folder, linden};
 
-/// Plants of both generators.
+/// Small plants of the generators that have leaves.
 const PLANTS: [(&str, &str); 4] = [
-    ("european-larch", "lsystem"),
+    ("date-palm", "lsystem"),
     ("dressed-honda-a", "lsystem"),
-    ("drawn-oak", "colonization"),
     ("dressed-fir", "colonization"),
+    ("apple", "self-organizing"),
 ];
 
 /// Settings that are not the wood's.
