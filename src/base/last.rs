@@ -5,7 +5,13 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// What followed last from whatever bears this, by what was asked; clones of it keep the same. It is no part of what that
 /// is: things with and without are equal.
 #[derive(Debug)]
-pub struct Last<K, V>(Arc<Mutex<Option<(K, Arc<V>)>>>);
+pub struct Last<K, V>(Arc<Mutex<Option<Kept<K, V>>>>);
+
+#[derive(Debug)]
+struct Kept<K, V> {
+    asked: K,
+    value: Arc<V>,
+}
 
 impl<K, V> Clone for Last<K, V> {
     fn clone(&self) -> Self {
@@ -33,18 +39,18 @@ impl<K: PartialEq, V> Last<K, V> {
     /// Those of `work_out`; then what was kept stays.
     pub fn get<E>(&self, asked: K, work_out: impl FnOnce() -> Result<V, E>) -> Result<Arc<V>, E> {
         let kept = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, value)) = kept().as_ref().filter(|(key, _)| *key == asked) {
-            return Ok(value.clone());
+        if let Some(kept) = kept().as_ref().filter(|kept| kept.asked == asked) {
+            return Ok(kept.value.clone());
         }
         let value = Arc::new(work_out()?);
-        *kept() = Some((asked, value.clone()));
+        *kept() = Some(Kept { asked, value: value.clone() });
         Ok(value)
     }
 
     /// What is kept, whoever asked for it.
     pub fn kept(&self) -> Option<Arc<V>> {
         let kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.as_ref().map(|(_, value)| value.clone())
+        kept.as_ref().map(|kept| kept.value.clone())
     }
 }
 

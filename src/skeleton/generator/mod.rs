@@ -5,24 +5,34 @@
 //! workbench's form and of every listing of knobs. It knows no document, no file and no other generator:
 //! values come in by [`Settings::set`] and [`Generator::read`], files by their names in [`Task::inputs`].
 
+mod branched;
+mod sample;
+mod scanned;
+mod steps;
+mod table;
+
 use std::any::Any;
 use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 use linden_base::document::{Fault, Table};
 use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value};
-use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
-use crate::organs::Organs;
 use crate::publication::Publication;
-use crate::{AxisRule, Branching, RadiusFit, Skeleton, Wood};
+use crate::{AxisRule, Wood};
 
 pub use crate::obstruction::{FaceEdge, Obstruction, Obstructs};
+pub use branched::{Barred, Branched, Colonized, InputTrees, Measured};
+pub use sample::{Multiple, SampleSize, SampleStep, Sampler};
+pub use scanned::{Fit, Gaps, Scanned, Spread};
+pub use steps::Steps;
+pub use table::{KeyContent, Passage, TableKey, Tables, Written};
 
 /// A way to grow trees.
 pub trait Generator: Sync {
@@ -88,82 +98,6 @@ pub enum Asked {
     Directly,
     /// In a document.
     InDocument,
-}
-
-/// Steps in which a tree grew.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Steps {
-    /// How many.
-    pub count: u32,
-    /// What one of them is called, like `derivation`.
-    pub unit: &'static str,
-}
-
-impl Steps {
-    /// How many of `count` steps a tree has behind it after a share of its growth: one at least, where there are any.
-    ///
-    /// ```
-    /// use linden_skeleton::generator::Steps;
-    /// assert_eq!([0.0, 0.2, 0.21, 1.0].map(|age| Steps::after(age, 5)), [1, 1, 2, 5]);
-    /// assert_eq!(Steps::after(0.3, 0), 0);
-    /// ```
-    pub fn after(age: f64, count: u32) -> u32 {
-        // Shares of whole numbers come out a little above them.
-        let step = libm::ceil(age * f64::from(count) - 1e-9) as u32;
-        step.clamp(count.min(1), count)
-    }
-
-    /// The number of steps and the share of them that settings of `count` steps have for the tree at a step. What is not
-    /// drawn yet has no age, and no tree is older than it is whole.
-    ///
-    /// ```
-    /// use linden_skeleton::generator::Steps;
-    /// let (count, age) = Steps::at(3, 7);
-    /// assert_eq!((count, Steps::after(age, count)), (7, 3));
-    /// assert_eq!([Steps::at(0, 7), Steps::at(9, 7)], [(0, 1.0), (9, 1.0)]);
-    /// ```
-    pub fn at(step: u32, count: u32) -> (u32, f64) {
-        if (1..count).contains(&step) { (count, f64::from(step) / f64::from(count)) } else { (step, 1.0) }
-    }
-}
-
-/// A key of a generator's table that is no knob.
-#[derive(Clone, Copy)]
-pub struct TableKey {
-    /// The key.
-    pub name: &'static str,
-    /// One line of help.
-    pub help: &'static str,
-    /// The type of its value.
-    pub content: KeyContent,
-}
-
-/// The type of a value in a generator's table.
-#[derive(Clone, Copy)]
-pub enum KeyContent {
-    /// Text.
-    Text,
-    /// A list of texts.
-    Texts,
-    /// The name of a file, relative to the document.
-    File,
-    /// A list of tables.
-    Tables(Tables),
-}
-
-/// A list of tables in a document, as a schema describes it.
-#[derive(Clone, Copy)]
-pub struct Tables {
-    /// The knobs that each may have.
-    pub knobs: fn() -> Vec<Knob>,
-    /// Keys that each must have.
-    pub required: &'static [&'static str],
-    /// Keys of which each must have exactly one, if there are any.
-    pub one_of: &'static [&'static str],
-    /// Keys that name files, with a line of help.
-    pub files: &'static [(&'static str, &'static str)],
-    /// The most tables.
-    pub most: usize,
 }
 
 /// The settings of a generator: what a tree is to grow like.
@@ -306,7 +240,7 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         _size: SampleSize,
         _monitor: &'a dyn Monitor,
     ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
-        Ok(Box::new(Whole { settings: Some(self.duplicate()) }))
+        Ok(Box::new(sample::Whole::new(self.duplicate())))
     }
 }
 
@@ -361,27 +295,6 @@ impl dyn Settings {
         let any: &mut dyn Any = self;
         any.downcast_mut()
     }
-}
-
-/// An entry of a table that is no knob.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Written {
-    /// Text, or a file's name.
-    Text(String),
-    /// A list of texts.
-    Texts(Vec<String>),
-    /// A list of tables: names and values.
-    Tables(Vec<Vec<(&'static str, Value)>>),
-}
-
-/// Lines of a page under a heading. Text of a document's is in them as it is: a terminal needs it made
-/// printable.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Passage {
-    /// In lower case.
-    pub heading: &'static str,
-    /// Without indents but those that tell lines from lines of theirs.
-    pub lines: Vec<String>,
 }
 
 /// The traits of a generator's trees, from which it follows which knobs of wood and foliage have an effect.
@@ -442,185 +355,6 @@ impl Task<'_> {
     }
 }
 
-/// The tree as a generator grows it, before refinement, and notes about it.
-#[derive(Default)]
-pub struct Branched {
-    /// Nodes and their parents.
-    pub branching: Branching,
-    /// Leaves and other organs that it placed on the nodes.
-    pub organs: Organs,
-    /// The nodes that were of use, where there is such a thing; else the lengths of twigs decide what is
-    /// pruned.
-    pub used: Option<Vec<bool>>,
-    /// The generator's limit of nodes, which holds for the refined tree too.
-    pub most_nodes: u64,
-    /// Whether no branch is to be moved to a place.
-    pub barred: Option<Barred>,
-    /// Measurements that the generator made of the tree.
-    pub measured: Option<Box<dyn Measured>>,
-    /// The share of its births that is to be shown; `None`: all.
-    pub age: Option<f64>,
-    /// Length of the derived string, for L-systems.
-    pub symbols: Option<u64>,
-    /// The attraction points, and how many were reached.
-    pub colonized: Option<Colonized>,
-    /// Messages for the user: limits that were hit, meshes that are open.
-    pub notes: Vec<String>,
-}
-
-/// Whether a place, metres, is not to be entered.
-pub type Barred = Box<dyn Fn(Vec3) -> bool + Send + Sync>;
-
-/// Measurements of a real tree, where the tree of a generator stands.
-pub trait Measured: Send + Sync {
-    /// How many points beside them were taken for leaves, and measure nothing.
-    fn leaf_points(&self) -> usize {
-        0
-    }
-
-    /// Bytes that they take.
-    fn bytes(&self) -> u64;
-
-    /// Asks for the memory of [`Measured::measure`] and [`Measured::gaps`].
-    ///
-    /// # Errors
-    /// [`OverMemory`].
-    fn admit(&self, branching: &Branching, monitor: &dyn Monitor) -> Result<(), OverMemory>;
-
-    /// Gives all nodes radii, metres, and moves them where the wood was measured to be; strands that lie in thicker
-    /// wood may go. What bears out the radius of each node that stays; `None` where radii are to follow the wood's
-    /// rule.
-    ///
-    /// # Errors
-    /// [`Cancelled`].
-    fn measure(
-        &self,
-        branching: &mut Branching,
-        wood: &Wood,
-        monitor: &dyn Monitor,
-    ) -> Result<Option<Vec<RadiusFit>>, Cancelled>;
-
-    /// How far the tree and the measurements are apart; `None` where there is nothing to measure from or to.
-    ///
-    /// # Errors
-    /// [`Cancelled`].
-    fn gaps(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled>;
-
-    /// The points.
-    fn into_points(self: Box<Self>) -> Vec<Vec3>;
-}
-
-/// How space colonization went.
-#[derive(Clone, Debug)]
-pub struct Colonized {
-    /// The attraction points, where the tree stands.
-    pub points: Vec<Vec3>,
-    /// How many of them were not reached.
-    pub unreached: usize,
-    /// Iterations that placed nodes.
-    pub iterations: u32,
-    /// Whether the points of a scan showed a crown without a stem, and were grown into as they are.
-    pub is_canopy: bool,
-    /// The place of its foot in the file that it grew into, in the file's axes and units; `None` where it grew into none.
-    pub foot: Option<DVec3>,
-    /// How the tree compares with the scan that it grew into; `None` for what is no scan.
-    pub scan: Option<Scanned>,
-}
-
-impl Colonized {
-    /// The points that people want to see: those of the scan, where it grew into one, else the attraction points.
-    pub fn seen(&self) -> &[Vec3] {
-        self.scan.as_ref().map_or(&self.points, |scan| &scan.points)
-    }
-
-    /// Bytes that it takes.
-    pub fn bytes(&self) -> u64 {
-        bytes_of::<Vec3>(self.points.capacity()) + self.scan.as_ref().map_or(0, Scanned::bytes)
-    }
-}
-
-/// Trees that an input tells apart.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct InputTrees {
-    /// The knob that picks one by its number.
-    pub knob: &'static str,
-    /// What tells them apart, as a message names it: a column, a file.
-    pub told_by: String,
-    /// What they are made of: `points`.
-    pub made_of: &'static str,
-    /// The numbers in rising order, with how much of that each tree has.
-    pub numbers: Vec<(u32, usize)>,
-}
-
-/// A scan, and how near the tree that grew into it came.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Scanned {
-    /// Points of the tree, metres, where it stands: those on wood, without ground, strays, noise
-    /// and leaves.
-    pub points: Arc<Vec<Vec3>>,
-    /// How far each of them is from the bark, metres.
-    pub gaps_m: Arc<Vec<f32>>,
-    /// Points that were taken for leaves.
-    pub leaf_points: usize,
-    /// Nodes whose radius was measured on points; the others' are carried on or guessed.
-    pub measured_nodes: usize,
-    /// Distances both ways.
-    pub fit: Fit,
-}
-
-impl Scanned {
-    /// Bytes that its points take.
-    pub fn bytes(&self) -> u64 {
-        bytes_of::<Vec3>(self.points.capacity()) + bytes_of::<f32>(self.gaps_m.capacity())
-    }
-}
-
-/// How far measured points and a skeleton are apart, one by one and in all.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Gaps {
-    /// In all.
-    pub fit: Fit,
-    /// From each point to the bark, metres.
-    pub of_points_m: Vec<f32>,
-    /// From the bark of the segment below each node to the nearest point, metres; 0 at nodes that have none below.
-    pub of_nodes_m: Vec<f32>,
-}
-
-/// Distances between measured points and a skeleton, both ways. All are exact: to the nearest point of the
-/// nearest segment, not to the nearest node.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Fit {
-    /// From each scanned point to the nearest axis.
-    pub points_to_axis: Spread,
-    /// From each scanned point to the bark around the nearest axis: how far the distance to the axis is
-    /// from the radius there.
-    pub points_to_surface: Spread,
-    /// From the middle of each segment to the nearest scanned point.
-    pub axis_to_points: Spread,
-    /// From places on the bark, evenly by area, to the nearest scanned point: wood that no point bears out.
-    pub surface_to_points: Spread,
-}
-
-/// Many distances in two numbers, metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spread {
-    /// The mean.
-    pub mean_m: f64,
-    /// 95 % are not above it.
-    pub p95_m: f64,
-}
-
-impl Spread {
-    /// Of some distances, metres; `None` without any.
-    pub fn of(mut distances: Vec<f64>) -> Option<Self> {
-        // One after the other: the sum is the same on any number of threads.
-        let mean_m = distances.iter().sum::<f64>() / distances.len() as f64;
-        let rank = (distances.len() * 95).div_ceil(100).checked_sub(1)?;
-        let (_, &mut p95_m, _) = distances.select_nth_unstable_by(rank, f64::total_cmp);
-        Some(Self { mean_m, p95_m })
-    }
-}
-
 /// Why nothing grew.
 #[derive(Clone, Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -648,75 +382,5 @@ impl GeneratorError {
             Self::Failed(error) => error.downcast_ref(),
             _ => None,
         }
-    }
-}
-
-/// How large a sample may be.
-#[derive(Clone, Copy, Debug)]
-pub struct SampleSize {
-    /// Attraction points, or points of a scan.
-    pub points: usize,
-    /// Nodes at which growth stops.
-    pub nodes: u32,
-    /// Symbols of a derived string.
-    pub symbols: u64,
-    /// How often refinement will halve all segments.
-    pub halvings: u32,
-}
-
-/// Plans a sample, growing as often as it needs to.
-pub trait Sampler {
-    /// What to do next; `grown` is what the last [`SampleStep::Grow`] came to.
-    ///
-    /// # Errors
-    /// As growing.
-    fn next(&mut self, grown: Option<&Skeleton>) -> Result<SampleStep, GeneratorError>;
-}
-
-/// A step of a [`Sampler`].
-pub enum SampleStep {
-    /// Grow these.
-    Grow {
-        /// Smaller settings.
-        settings: Box<dyn Settings>,
-        /// What stands in place of some inputs.
-        inputs: Inputs,
-    },
-    /// What grew last is the sample.
-    Done(Multiple),
-}
-
-/// The tree as a multiple of its sample.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Multiple {
-    /// Nodes of the tree ÷ nodes of the sample.
-    pub wood_times: f64,
-    /// Leaves of the tree ÷ leaves of the sample.
-    pub leaf_times: f64,
-    /// Points that the tree grows into ÷ those of the sample.
-    pub point_times: f64,
-    /// Tips of the tree on each of its stems ÷ tips of the sample.
-    pub crowding: f64,
-    /// Distances of the sample ÷ those of the tree.
-    pub coarser: f64,
-}
-
-impl Multiple {
-    /// Where the sample is the whole tree.
-    pub const ONE: Self =
-        Self { wood_times: 1.0, leaf_times: 1.0, point_times: 1.0, crowding: 1.0, coarser: 1.0 };
-}
-
-/// Grows the whole tree.
-struct Whole {
-    settings: Option<Box<dyn Settings>>,
-}
-
-impl Sampler for Whole {
-    fn next(&mut self, _: Option<&Skeleton>) -> Result<SampleStep, GeneratorError> {
-        Ok(match self.settings.take() {
-            Some(settings) => SampleStep::Grow { settings, inputs: Inputs::new() },
-            None => SampleStep::Done(Multiple::ONE),
-        })
     }
 }
