@@ -157,7 +157,7 @@ impl<'a> Stretch<'a> {
             }
             // Thousands of points may lie beside one node.
             monitor.check()?;
-            let reach_m = self.reach_m(i);
+            let reach_m = if i < self.inside { 0.0 } else { self.reach_m(i) };
             let circle = self.circle(i, reach_m);
             let radius_m = circle.map_or(0.0, |(circle, _)| circle.radius_m);
             least_m = STATION_M.max(STATION_RADII * radius_m.min(FARTHEST_M));
@@ -219,5 +219,56 @@ impl<'a> Stretch<'a> {
         let found = circle::fit(&flat)?;
         let centre = middle + u * found.centre.0 + v * found.centre.1;
         Some((found, centre))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::monitor::Quiet;
+    use linden_base::random::Key;
+    use linden_skeleton::axes_by_tips;
+
+    use super::super::segments::Segments;
+    use super::*;
+
+    /// The stations along a rod of 3 m and 2 cm radius with a node every 20.5 mm and points all round.
+    fn stations(points_per_m: u64) -> Vec<(f32, Seen)> {
+        let mut branching = Branching::default();
+        for i in 0..150_u16 {
+            branching.positions.push(Vec3::new(0.0, 0.0205 * f32::from(i), 0.0));
+            branching.parents.push(if i == 0 { NO_PARENT } else { u32::from(i) - 1 });
+        }
+        let bark: Vec<Vec3> = (0..3 * points_per_m)
+            .map(|i| {
+                let key = Key::new(4).child(i);
+                let turn = key.child(1).unit() * std::f64::consts::TAU;
+                let y = key.child(0).unit() * 3.0;
+                DVec3::new(0.02 * libm::cos(turn), y, 0.02 * libm::sin(turn)).as_vec3()
+            })
+            .collect();
+        let segments = Segments::new(&branching.positions, &branching.parents).unwrap();
+        let by_node = ByNode::new(&segments.nearest(&bark, &Quiet).unwrap(), branching.positions.len());
+        let (axes, nodes) = axes_by_tips(&branching.positions, &branching.parents, None);
+        let stretch = Stretch::new(&axes[0], &nodes, &branching, (&bark, &by_node), |_| 0.0, 240);
+        let seen = stretch.circles(&Quiet).unwrap();
+        seen.into_iter().map(|seen| (branching.positions[seen.node as usize].y, seen)).collect()
+    }
+
+    #[test]
+    fn circles_are_as_far_apart_as_points_are_few_and_stand_for_as_many_places() {
+        let (dense, sparse) = (stations(4000), stations(100));
+        for (seen, apart_m) in [(&dense, 0.041), (&sparse, 0.164)] {
+            for pair in seen.windows(2) {
+                assert!((pair[1].0 - pair[0].0 - apart_m).abs() < 1e-3, "{} {}", pair[0].0, pair[1].0);
+            }
+            let middle = &seen[seen.len() / 4..3 * seen.len() / 4];
+            for (y, Seen { circle, .. }) in middle {
+                let radius_m = circle.unwrap().0.radius_m;
+                assert!((radius_m - 0.02).abs() < 0.002, "{y}: {radius_m}");
+            }
+        }
+        let places = |seen: &[(f32, Seen)]| seen.iter().map(|(_, seen)| seen.station.places).sum::<u32>();
+        assert_eq!((places(&dense), places(&sparse)), (75, 75));
+        assert!(dense.iter().all(|(_, seen)| seen.station.places == 1));
     }
 }
