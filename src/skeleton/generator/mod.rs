@@ -303,7 +303,7 @@ pub struct Traits {
     /// Where radii come from.
     pub radii: RadiiFrom,
     /// What [`AxisRule::Auto`] stands for: [`AxisRule::Grammar`] where it says which child continues an
-    /// axis ([`Branching::edges`]).
+    /// axis ([`Branching::edges`](crate::Branching::edges)).
     pub axes: AxisRule,
     /// Whether they place leaves and the like.
     pub places_organs: bool,
