@@ -6,7 +6,7 @@
 
 use linden_skeleton::NO_PARENT;
 
-use super::circle::median;
+use super::median::median;
 
 /// Classes of growth length are this wide, as natural logarithms.
 const CLASS: f64 = 0.4;
@@ -94,9 +94,9 @@ impl Allometry {
                 continue;
             }
             let weight = f64::from(places(same));
-            let mut lengths: Vec<f64> = same.iter().map(|m| libm::log(m.growth_m)).collect();
-            let mut radii: Vec<f64> = same.iter().map(|m| m.radius_m).collect();
-            let mut block = (median(&mut lengths)?, libm::log(median(&mut radii)?), weight);
+            let length = median(same.iter().map(|m| libm::log(m.growth_m)))?;
+            let radius_m = median(same.iter().map(|m| m.radius_m))?;
+            let mut block = (length, libm::log(radius_m), weight);
             while let Some(before) = blocks.pop_if(|before| before.1 > block.1) {
                 let total = before.2 + block.2;
                 let mean = |a: f64, b: f64| (a * before.2 + b * block.2) / total;

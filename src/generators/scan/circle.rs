@@ -318,17 +318,10 @@ fn mad(flat: &[Flat], circle: [f64; 3], scratch: &mut Vec<u64>) -> f64 {
     if scratch.is_empty() { 0.0 } else { f64::from_bits(*scratch.select_nth_unstable(middle).1) }
 }
 
-pub(crate) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return None;
-    }
-    Some(*values.select_nth_unstable_by(middle, f64::total_cmp).1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::median::median;
 
     /// Points of a circle's arc around its direction +x, with a normal error.
     fn arc(centre: Flat, radius: f64, turn: f64, sd: f64, count: u64, key: Key) -> Vec<Flat> {
@@ -346,13 +339,13 @@ mod tests {
     fn arcs_have_no_bias_where_kasas_circle_is_too_small() {
         for (degrees, per_sd, kasa_off) in [(180.0_f64, 15.0, -1.7), (120.0, 15.0, -10.7), (90.0, 50.0, -4.1)]
         {
-            let mut radii: Vec<f64> = (0..300)
+            let radii: Vec<f64> = (0..300)
                 .map(|i| {
                     let flat = arc((3.0, -2.0), 0.3, degrees.to_radians(), 0.3 / per_sd, 100, Key::new(i));
                     refined(&flat, taubin(&flat).unwrap(), 0.3 / per_sd, &mut Vec::new()).radius_m
                 })
                 .collect();
-            let off = 100.0 * (median(&mut radii).unwrap() / 0.3 - 1.0);
+            let off = 100.0 * (median(radii).unwrap() / 0.3 - 1.0);
             assert!(off.abs() < 1.5 && off > 0.5 * kasa_off, "{degrees}: {off}");
         }
     }

@@ -5,6 +5,7 @@
 
 use glam::DVec3;
 
+use super::median::median;
 use super::neighbours::Neighbours;
 use super::{ScanError, frame, z_order};
 use linden_base::monitor::Monitor;
@@ -79,8 +80,8 @@ pub fn distinct(points: &[DVec3], is_scan: bool, monitor: &dyn Monitor) -> Resul
 /// [`ScanError`]: cancelled.
 pub fn drop_far(points: &mut Vec<DVec3>, monitor: &dyn Monitor) -> Result<usize, ScanError> {
     let sample = frame::sample(points);
-    let middle = DVec3::from([0, 1, 2].map(|axis| median(sample.iter().map(|p| p[axis]))));
-    let spread = median(sample.iter().map(|p| p.distance(middle)));
+    let middle = DVec3::from([0, 1, 2].map(|axis| median(sample.iter().map(|p| p[axis])).unwrap_or(0.0)));
+    let spread = median(sample.iter().map(|p| p.distance(middle))).unwrap_or(0.0);
     let far_m = FAR_SPREADS * spread;
     let is_far = |p: &DVec3| p.distance(middle) > far_m;
     monitor.check()?;
@@ -107,15 +108,6 @@ pub fn drop_far(points: &mut Vec<DVec3>, monitor: &dyn Monitor) -> Result<usize,
     });
     cancelled?;
     Ok(before - points.len())
-}
-
-fn median(values: impl Iterator<Item = f64>) -> f64 {
-    let mut values: Vec<f64> = values.collect();
-    let middle = values.len() / 2;
-    if values.is_empty() {
-        return 0.0;
-    }
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

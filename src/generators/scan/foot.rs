@@ -6,6 +6,8 @@
 
 use glam::DVec3;
 
+use super::median::median;
+
 /// The stem's foot, and what is not the tree.
 #[derive(Clone, Copy)]
 pub(super) struct Foot {
@@ -157,10 +159,4 @@ impl Columns {
         let (x, z) = (cell / self.across.1, cell % self.across.1);
         (self.min.0 + (x as f64 + 0.5) * self.cell_m, self.min.1 + (z as f64 + 0.5) * self.cell_m)
     }
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }

@@ -4,6 +4,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::median::median;
 use linden_base::input::Up;
 
 /// Points looked at.
@@ -81,12 +82,6 @@ fn foot_spread(points: &[DVec3], up: Up) -> Option<f64> {
 fn spread(points: &[DVec3]) -> Option<f64> {
     let (x, z) = (median(points.iter().map(|p| p.x))?, median(points.iter().map(|p| p.z))?);
     median(points.iter().map(|p| DVec3::new(p.x - x, 0.0, p.z - z).length()))
-}
-
-fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_unstable_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
 }
 
 #[cfg(test)]

@@ -15,7 +15,8 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::allometry::{Allometry, Looked, growth_lengths_m};
-use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD, median};
+use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD};
+use super::median::median;
 use super::segments::{Nearest, Segments};
 use super::stretch::{ByNode, Seen, Station, Stretch};
 use linden_base::memory::bytes_of;
@@ -392,8 +393,7 @@ fn height_m(positions: &[Vec3]) -> f64 {
 fn medians(circles: &[Circle]) -> Vec<Circle> {
     let radius = |i: usize| {
         let reach = 2.min(i).min(circles.len() - 1 - i);
-        let mut around: Vec<f64> = circles[i - reach..=i + reach].iter().map(|c| c.radius_m).collect();
-        median(&mut around).unwrap_or(circles[i].radius_m)
+        median(circles[i - reach..=i + reach].iter().map(|c| c.radius_m)).unwrap_or(circles[i].radius_m)
     };
     (0..circles.len()).map(|i| Circle { radius_m: radius(i), ..circles[i] }).collect()
 }

@@ -56,6 +56,7 @@ mod girth;
 mod graph;
 mod leaves;
 mod links;
+mod median;
 mod neighbours;
 pub mod plot;
 mod points;

@@ -39,7 +39,7 @@ pub struct Seen {
 /// What a node around which a circle was looked for stands for.
 #[derive(Clone, Copy)]
 pub struct Station {
-    /// Metres along the axis to the next one, and on to the node there.
+    /// Metres along the axis after which the next one is looked for, around the first node that is so far.
     pub length_m: f64,
     /// At how many nodes, itself among them, one would have been looked for had points been enough.
     pub places: u32,
