@@ -46,6 +46,15 @@ impl Output {
         Self { exporter, options, families, path, level: None, age: None, gathers: false, season: None }
     }
 
+    /// The file for one of several looks of a plant, an age or a season: `oak_young.obj`. It shares pictures with those of the
+    /// other looks.
+    #[must_use]
+    pub fn in_look(mut self, name: &str) -> Self {
+        self.path = self.path_with(&format!("_{name}"));
+        self.families.push(self.path.clone());
+        self
+    }
+
     /// The files for a plant at several ages: `oak_young.glb`, `oak_old.glb` and so on; for a format that can name other
     /// files, one over them too. `None` for a stream, which holds one.
     pub fn in_ages(self, ages: &[&str]) -> Option<Vec<Self>> {
@@ -55,11 +64,7 @@ impl Output {
         if self.is_stream() {
             return None;
         }
-        let named = |name: &&str| {
-            let path = self.path_with(&format!("_{name}"));
-            let families = self.families.iter().cloned().chain([path.clone()]).collect();
-            Self { path, age: Some((*name).to_owned()), families, ..self.clone() }
-        };
+        let named = |name: &&str| Self { age: Some((*name).to_owned()), ..self.clone().in_look(name) };
         let mut files: Vec<Self> = ages.iter().map(named).collect();
         if self.exporter.gatherer().is_some() {
             files.push(Self { gathers: true, ..self.clone() });
@@ -77,11 +82,8 @@ impl Output {
         {
             return vec![self];
         }
-        let named = |Season { name, .. }: &Season| {
-            let path = self.path_with(&format!("_{name}"));
-            let families = self.families.iter().cloned().chain([path.clone()]).collect();
-            Self { path, season: Some(name.clone()), families, ..self.clone() }
-        };
+        let named =
+            |Season { name, .. }: &Season| Self { season: Some(name.clone()), ..self.clone().in_look(name) };
         seasons.iter().map(named).collect()
     }
 

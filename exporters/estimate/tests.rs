@@ -58,6 +58,8 @@ fn all_options(format: &'static Format) -> Vec<Options> {
 
 /// Triangles of a large tree.
 const LARGE: u64 = 30_000;
+/// Of one that takes seconds to dress: every third is.
+const VERY_LARGE: u64 = 300_000;
 
 /// Which files a tree is written to: those that are its turn, of which each is that of one tree in so many.
 #[derive(Clone, Copy)]
@@ -90,6 +92,9 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
     // What grows in a mesh needs its file.
     let Ok(grown) = grow(recipe, &Quiet) else { return faults };
     let estimate = Estimate::new(recipe, &grown, &Quiet).unwrap();
+    if estimate.triangles > VERY_LARGE && !turn.tree.is_multiple_of(3) {
+        return faults;
+    }
     let levels = levels(recipe, &grown, &Quiet).unwrap();
     let finest = &levels.levels[0].scene;
     let vertices = finest.parts.iter().map(|part| part.mesh.positions.len() as u64).sum();

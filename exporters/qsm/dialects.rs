@@ -39,6 +39,11 @@ impl Dialect {
         }
     }
 
+    /// Whether a line is its header.
+    pub fn heads(self, line: &[u8]) -> bool {
+        self.header().trim_end().as_bytes() == line.trim_ascii_end()
+    }
+
     pub const fn header(self) -> &'static str {
         match self {
             Self::SimpleForest => {

@@ -35,7 +35,7 @@ use self::dialects::{Dialect, Sheet, Taken, WORDS};
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, mean_digits, memory, validate};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces, recipe};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -93,6 +93,23 @@ impl Exporter for Qsm {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_comments(file)
+    }
+
+    /// The header is the first line that is no comment.
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        let traces = Traces::none(&FORMAT);
+        for line in recipe::lines(file) {
+            let line = line?;
+            if !line.starts_with(b"#") {
+                return Ok(
+                    match WORDS.iter().find(|word| Dialect::of(word).is_some_and(|it| it.heads(&line))) {
+                        Some(word) => traces.with("dialect", word),
+                        None => traces,
+                    },
+                );
+            }
+        }
+        Ok(traces)
     }
 
     fn write(

@@ -97,6 +97,14 @@ impl Outlook {
         self.grow_s + self.estimate.survey_seconds(recipe)
     }
 
+    /// Says how long the work on it will take, where that is long; not of a tree for which there is no memory: that is what
+    /// growing says.
+    pub fn announce(&self, seconds: f64) {
+        if self.sample.skeleton_bytes().unwrap_or(u64::MAX) <= crate::memory::limit() {
+            announce(seconds, &self.amount());
+        }
+    }
+
     /// What there will be: `about 3,100,000 nodes, 20,000,000 triangles`.
     pub fn amount(&self) -> String {
         let [nodes, triangles] = [self.sample.nodes(), self.estimate.triangles as f64].map(round);

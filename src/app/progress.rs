@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
+use indicatif::{HumanCount, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use linden::Monitor;
 use linden::monitor::Phase;
 
@@ -23,6 +23,8 @@ pub struct Progress {
 
 struct ShownBar {
     bar: Option<(Phase, ProgressBar)>,
+    /// Which one of several is worked on: `tree 3 of 24`.
+    among: String,
     last: Instant,
 }
 
@@ -30,8 +32,18 @@ impl Progress {
     /// Starts the clock.
     pub fn new() -> Self {
         let now = Instant::now();
-        let shown = Mutex::new(ShownBar { bar: None, last: now });
+        let shown = Mutex::new(ShownBar { bar: None, among: String::new(), last: now });
         Self { started: now, shows: std::io::stderr().is_terminal(), shown }
+    }
+
+    /// Says in all bars from now on which one of several is worked on, from 1: `tree 3 of 24`.
+    pub fn among(&self, what: &str, number: usize, count: usize) {
+        if let Ok(mut shown) = self.shown.lock() {
+            shown.among = if count > 1 { format!("{what} {number} of {count}") } else { String::new() };
+            if let Some((_, bar)) = &shown.bar {
+                bar.set_message(shown.among.clone());
+            }
+        }
     }
 
     /// Takes the bar away, so that other lines can be written.
@@ -74,7 +86,9 @@ impl Monitor for Progress {
             if let Some((_, old)) = shown.bar.take() {
                 old.finish_and_clear();
             }
-            shown.bar = Some((stage, bar(stage, total)));
+            let bar = bar(stage, total);
+            bar.set_message(shown.among.clone());
+            shown.bar = Some((stage, bar));
         }
         if let Some((_, bar)) = &shown.bar {
             if let Some(total) = total {
@@ -92,13 +106,15 @@ fn bar(stage: Phase, total: Option<u64>) -> ProgressBar {
     let (doing, unit) = stage.words();
     let template = match (total, stage) {
         (Some(_), Phase::Read | Phase::Write) => {
-            "{prefix:>11} [{bar:28}] {bytes}/{total_bytes}  {bytes_per_sec}  {eta} left".to_owned()
+            "{prefix:>11} [{bar:28}] {bytes}/{total_bytes}  {bytes_per_sec}  {left}  {msg}".to_owned()
         }
-        (None, Phase::Read | Phase::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
+        (None, Phase::Read | Phase::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}  {msg}".to_owned(),
         (Some(_), _) => {
-            format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{rate}}  {{eta}} left")
+            format!(
+                "{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{rate}}  {{left}}  {{msg}}"
+            )
         }
-        (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{rate}}"),
+        (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{rate}}  {{msg}}"),
     };
     let bar = match total {
         Some(total) => ProgressBar::new(total),
@@ -110,7 +126,13 @@ fn bar(stage: Phase, total: Option<u64>) -> ProgressBar {
             // The line is drawn again in a moment: a failure to write it is nothing to stop for.
             let _ = write!(out, "{}/s", HumanCount(state.per_sec() as u64));
         };
-        bar.set_style(style.with_key("rate", rate).progress_chars("=> "));
+        // What is done is not what is waited for any more.
+        let left = |state: &ProgressState, out: &mut dyn Write| {
+            if state.len() != Some(state.pos()) {
+                let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
+            }
+        };
+        bar.set_style(style.with_key("rate", rate).with_key("left", left).progress_chars("=> "));
     }
     bar.set_prefix(doing);
     bar

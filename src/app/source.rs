@@ -112,31 +112,47 @@ pub fn user_preset(id: &Path) -> anyhow::Result<Option<PathBuf>> {
     }
 }
 
+/// What a document (`None`: standard input) means by the name of a tree: the id of a preset, or a file that it may name.
+///
+/// # Errors
+/// Several presets of the user's with that id, no such preset or file, and a file elsewhere.
+pub fn named_in(document: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> {
+    if builtin(name).is_ok() || user_preset(Path::new(name))?.is_some() {
+        return Ok(name.into());
+    }
+    let path = crate::trust::beside(document, name)?;
+    // What is no file was meant for an id, and is shown as it was typed.
+    if path.exists() { Ok(path) } else { Err(not_there(Path::new(name))) }
+}
+
 /// Whether there is such a source at all, without reading it: for what is read later.
 pub fn ensure_there(source: &Path) -> anyhow::Result<()> {
     let is_built_in = source.to_str().is_some_and(|id| builtin(id).is_ok());
     if is_built_in || user_preset(source)?.is_some() { Ok(()) } else { ensure_is_file(source) }
 }
 
+/// There is no such source.
+fn not_there(source: &Path) -> anyhow::Error {
+    let forest = source.to_str().map(builtin_forest);
+    if let Some(Ok(forest)) = forest {
+        let id = forest.id;
+        return usage(format!(
+            "'{id}' is a forest, which 'linden forest {id} -o {id}.glb' writes and 'linden show {id}' describes"
+        ));
+    }
+    let users = Dirs::of_environment().presets().map_or_else(Vec::new, |dir| presets::ids(&dir));
+    let known = builtins().iter().map(|builtin| builtin.id).chain(users.iter().map(String::as_str));
+    let hint = source.to_str().and_then(|typed| nearest(typed, known));
+    let hint = hint.or(forest.and_then(|forest| forest.err().flatten()));
+    usage(format!(
+        "there is no preset and no file '{}'{}; 'linden list' shows the presets",
+        show(source),
+        did_you_mean(hint)
+    ))
+}
+
 fn ensure_is_file(path: &Path) -> anyhow::Result<()> {
-    let Ok(about) = path.metadata() else {
-        let forest = path.to_str().map(builtin_forest);
-        if let Some(Ok(forest)) = forest {
-            let id = forest.id;
-            return Err(usage(format!(
-                "'{id}' is a forest, which 'linden forest {id} -o {id}.glb' writes and 'linden show {id}' describes"
-            )));
-        }
-        let users = Dirs::of_environment().presets().map_or_else(Vec::new, |dir| presets::ids(&dir));
-        let known = builtins().iter().map(|builtin| builtin.id).chain(users.iter().map(String::as_str));
-        let hint = path.to_str().and_then(|typed| nearest(typed, known));
-        let hint = hint.or(forest.and_then(|forest| forest.err().flatten()));
-        return Err(usage(format!(
-            "there is no preset and no file '{}'{}; 'linden list' shows the presets",
-            show(path),
-            did_you_mean(hint)
-        )));
-    };
+    let Ok(about) = path.metadata() else { return Err(not_there(path)) };
     match reading::what(&about) {
         Some("a directory") => Err(usage(format!("'{}' is a directory; name a file in it", show(path)))),
         Some(what) if !crate::system::is_pipe(&about) => {

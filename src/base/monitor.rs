@@ -66,6 +66,8 @@ pub enum Phase {
     Sweep,
     /// Contouring wood into one solid; unit: blocks of cells.
     Solidify,
+    /// Drawing a plant from many sides; unit: rows of views.
+    View,
     /// Casting the rays of a simulated scanner; unit: rows of pulses.
     Scan,
     /// Growing and measuring many trees; unit: trees.
@@ -89,6 +91,7 @@ impl Phase {
             Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Solidify => ("making one solid", "blocks"),
+            Self::View => ("drawing", "rows of views"),
             Self::Scan => ("scanning", "rows"),
             Self::Measure => ("measuring", "trees"),
             Self::Write => ("writing", "bytes"),

@@ -382,6 +382,32 @@ fn what_the_tree_grows_from_is_never_replaced() {
         &["crown.obj", grown_from],
     );
     refused(&folder, 2, &["preview", "fir", "-o", "mine.toml"], &["mine.toml", "PNG"]);
+    // What a survey cost a day to make is not lost to a slip of the hand.
+    let points: String = (0..400).map(|i| format!("0.0 {} 0.0\n", f64::from(i) * 0.01)).collect();
+    folder.write("survey.xyz", points);
+    let survey = ["scan", "survey.xyz", "--positions", "1", "--step", "1"];
+    for (name, args) in
+        [("survey.xyz", &["-o", "x.ply", "--truth", "survey.xyz"][..]), ("copy.ply", &["-o", "./copy.ply"])]
+    {
+        let source = if name == "copy.ply" {
+            let made = ["scan", "fir", "--set", "points=60", "--positions", "1", "--step", "1", "-o", name];
+            assert_eq!(folder.run(&made).code, Some(0));
+            ["scan", name, "--positions", "1", "--step", "1"]
+        } else {
+            survey
+        };
+        let before = folder.read(name);
+        refused(&folder, 1, &[&source[..], args].concat(), &[name, grown_from]);
+        assert_eq!(folder.read(name), before);
+    }
+    folder.run(&["preview", "fir", "-o", "bark.png", "--set", "points=60", "--size", "64x64"]).done();
+    for command in ["preview", "sheet"] {
+        let args = [command, "older-a", "--set", "bark_picture=bark.png", "-o", "bark.png"];
+        refused(&folder, 1, &args, &["bark.png", grown_from]);
+    }
+    folder.run(&["export", "fir", "--set", "points=60", "-o", "table.csv"]).done();
+    let args = ["sweep", "table.csv", "-o", "table.csv", "--overwrite"];
+    refused(&folder, 2, &args, &["table.csv", grown_from]);
 }
 
 #[cfg(target_os = "linux")]

@@ -226,6 +226,26 @@ fn mistakes_are_told_before_anything_grows() {
 }
 
 #[test]
+fn a_manifest_names_no_files_outside_its_folder() {
+    let folder = Folder::new();
+    folder.write("secret.txt", "axiom=F\nangle=20\nnumber of derivations=2\nF=FF\n");
+    std::fs::create_dir(folder.file("jail")).unwrap();
+    folder.write("jail/own.txt", "axiom=F\nangle=20\nnumber of derivations=2\nF=F[+F]F\n");
+    let secret = folder.file("secret.txt");
+    for name in ["../secret.txt", secret.to_str().unwrap(), "../../../etc/passwd", "/etc/passwd"] {
+        folder.write("jail/m.toml", format!("formats = [\"qsm\"]\n[[trees]]\nsource = '{name}'\n"));
+        let said = folder.run(&["batch", "jail/m.toml", "--out", "out"]);
+        assert!(said.code == Some(1) && said.err.contains("--allow-path"), "{name}: {}", said.err);
+        assert!(!folder.file("out").exists(), "{name}");
+    }
+    folder.write("jail/m.toml", "formats = [\"qsm\"]\n[[trees]]\nsource = \"own.txt\"\n");
+    assert_eq!(folder.run(&["batch", "jail/m.toml", "--out", "out"]).code, Some(0));
+    folder.write("jail/m.toml", "formats = [\"qsm\"]\n[[trees]]\nsource = \"../secret.txt\"\n");
+    let allowed = ["batch", "jail/m.toml", "--out", "allowed", "--allow-path", "."];
+    assert_eq!(folder.run(&allowed).code, Some(0));
+}
+
+#[test]
 fn a_dry_run_says_what_it_will_be() {
     let folder = folder();
     let said = batch(&folder, "out", &["--dry-run"]);

@@ -69,6 +69,10 @@ fn every_format_and_option_is_seen_and_gives_the_same_bytes() {
         ("usdz", &["usdz.lightmap_uv=true"]),
         ("usdz", &["usdz.flavor=ar"]),
         ("csv", &[]),
+        ("csv", &["qsm.dialect=simpleforest"]),
+        ("csv", &["qsm.dialect=treeqsm"]),
+        ("csv", &["qsm.dialect=raycloudtools"]),
+        ("csv", &["qsm.dialect=archi"]),
         ("mtg", &[]),
         ("mtg", &["mtg.organs=false"]),
         ("organs.csv", &[]),
@@ -132,6 +136,38 @@ fn levels_and_seasons_in_files_of_their_own() {
         };
         assert!(row["outcome"] == expected || row["outcome"] == "same-bytes", "{row}");
     }
+}
+
+/// Ages and seasons with names of the user's share pictures with others that are not known any more.
+#[test]
+fn one_of_several_ages_or_seasons_is_never_called_changed() {
+    let folder = Folder::new();
+    for format in ["glb", "gltf", "obj", "usda"] {
+        let name = format!("p.{format}");
+        export(&folder, "dressed-simple", &["--ages", "young=0.5,old=1", "-o", &name]);
+    }
+    let seasons = ["--seasons", "spring=0.05,late=0.9", "-o", "s.obj"];
+    export(&folder, "dressed-simple", &seasons);
+    let (said, report) = verify(&folder, &["."]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    let outcome = |name: &str| {
+        let rows = report["files"].as_array().unwrap();
+        rows.iter()
+            .find(|row| row["file"] == format!("./{name}"))
+            .unwrap_or_else(|| panic!("{name}: {report}"))["outcome"]
+            .clone()
+    };
+    for file in ["p_young.glb", "p_old.glb"] {
+        assert_eq!(outcome(file), "same-bytes", "{file} has its pictures within");
+    }
+    for file in ["p_young.obj", "p_old.gltf", "p_young.usda", "s_spring.obj", "s_late.obj"] {
+        assert!(["same-tree", "same-bytes"].map(Value::from).contains(&outcome(file)), "{file}: {report}");
+    }
+    // One alone is compared, as any file with such a name is.
+    let other = Folder::new();
+    export(&other, "fir", &["-o", "fir_tall.obj"]);
+    other.write("fir_tall.obj", [&other.read("fir_tall.obj")[..], b"#"].concat());
+    assert_eq!(only(&other, "fir_tall.obj").1, "other-bytes");
 }
 
 #[test]
@@ -235,6 +271,24 @@ fn a_batch_is_verified_and_what_is_missing_in_it_is_said() {
         "{}",
         text.out
     );
+    // Of another version trees are compared and no bytes: which pictures are whose is not known then.
+    let older = Folder::new();
+    older.write(
+        "m.toml",
+        "formats = [\"obj\"]\n[[trees]]\nsource = \"fir\"\nset = { points = 60, bark_size = 16 }\n",
+    );
+    older.run(&["batch", "m.toml", "--out", "out"]).done();
+    let obj = verify(&older, &["out"]).1["files"][0]["file"].as_str().unwrap().to_owned();
+    let text = String::from_utf8(older.read(&obj)).unwrap();
+    let (_, version) = text.split_once("\"linden\":\"").unwrap();
+    let (version, _) = version.split_once('"').unwrap();
+    let same_length = format!("{:9<1$}", "0.0.", version.len());
+    older.write(&obj, text.replace(version, &same_length));
+    let (said, report) = verify(&older, &["out"]);
+    let outcomes: Vec<&str> =
+        report["files"].as_array().unwrap().iter().map(|row| row["outcome"].as_str().unwrap()).collect();
+    assert_eq!((said.code, outcomes), (Some(0), vec!["same-tree"]), "{report}");
+    assert_eq!(verify(&older, &["out", "--bytes"]).0.code, Some(1));
     // Cut off: no recipe is found in it any more, and the index knows it.
     folder.write(file, "");
     assert_eq!(verify(&folder, &["out"]).1["bad"], 1);

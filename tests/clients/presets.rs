@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::outside::{exported, run};
 
 /// As much as shows every part and every material; a million leaves teach a validator nothing.
-const SMALL: [(&str, &str); 3] = [("triangles", "8000"), ("bark_size", "128"), ("leaf_size", "256")];
+const SMALL: [(&str, &str); 3] = [("triangles", "4000"), ("bark_size", "128"), ("leaf_size", "256")];
 
 /// Every preset is written in the formats that hold all of a plant, glTF or by turns OpenUSD. Of the others each has those
 /// whose turn it is: writers see scenes, not presets.

@@ -18,9 +18,9 @@ fn watertight_wood_is_one_closed_manifold() {
         let mut recipe = recipe(builtin(id).unwrap());
         // Fewer branches meet in the same ways.
         match id {
-            "simple" => recipe.preset.set("points", "200").unwrap(),
-            "grove" => recipe.preset.set("points", "250").unwrap(),
-            _ => recipe.preset.set("derivations", "7").unwrap(),
+            "simple" => recipe.preset.set("points", "120").unwrap(),
+            "grove" => recipe.preset.set("points", "160").unwrap(),
+            _ => recipe.preset.set("derivations", "6").unwrap(),
         }
         for &(knob, value) in [("junction", "watertight"), ("bark_size", "16")].iter().chain(features) {
             recipe.preset.set(knob, value).unwrap();

@@ -1,13 +1,16 @@
 //! `--age` and `--ages`: a source as a plant at one age, or at several.
 
 use linden::knob::printable;
-use linden::preset::Age;
+use linden::preset::{Age, AgeError};
 
 use crate::exit::usage;
 use crate::source::{Source, is_file_key};
 
 /// Knobs that say how old a plant is: `--ages` turns them.
 const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
+
+/// What a share by itself is called here.
+const UNNAMED: &str = "at";
 
 /// The source at the one age that `--age` names.
 ///
@@ -16,7 +19,7 @@ const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
 pub fn at(source: &Source, age: &str, turned: &[(String, String)]) -> anyhow::Result<Source> {
     // A share by itself needs no name where there is no file to name.
     let age = age.trim();
-    let list = if age.parse::<f64>().is_ok() { format!("at={age}") } else { age.to_owned() };
+    let list = if age.parse::<f64>().is_ok() { format!("{UNNAMED}={age}") } else { age.to_owned() };
     let mut ages = of_flag(source, "--age", &list, turned)?;
     match ages.pop() {
         Some((_, aged)) if ages.is_empty() => Ok(aged),
@@ -46,7 +49,10 @@ fn of_flag(
         return Err(usage(format!("--set {knob}={value} and {flag} both say how old it is: leave one out")));
     }
     let preset = &source.recipe.preset;
-    let ages = preset.ages_of(list).map_err(|error| usage(format!("{flag}: {error}")))?;
+    let ages = preset.ages_of(list).map_err(|error| match error {
+        AgeError::Knob { name, problem } if name == UNNAMED => usage(format!("{flag} {problem}")),
+        error => usage(format!("{flag}: {error}")),
+    })?;
     let at = |age: &Age| {
         let mut aged = source.clone();
         aged.recipe.preset = preset.at_age(age)?;

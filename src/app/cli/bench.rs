@@ -108,7 +108,7 @@ impl Bench {
         let sources =
             if self.sources.is_empty() { USUAL.map(str::to_owned).to_vec() } else { self.sources.clone() };
         // A mistake in one of them is found before the first grows.
-        let plans = sources.iter().map(|source| Plan::of(self.manifest(source)?, Path::new(""), &progress));
+        let plans = sources.iter().map(|source| Plan::typed(self.manifest(source)?, &progress));
         let plans: Vec<Plan> = plans.collect::<anyhow::Result<_>>()?;
         let mut rates = Vec::with_capacity(plans.len());
         for (source, plan) in sources.iter().zip(&plans) {

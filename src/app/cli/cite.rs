@@ -123,7 +123,7 @@ impl Cite {
             self.growing.without_edits("a forest has several trees")?;
             self.growing.without_age("a forest has several trees")?;
             let source = described.shown();
-            let mut forest = resolved(described, progress)?;
+            let mut forest = resolved(described, progress)?.forest;
             for (name, value) in self.growing.pairs()? {
                 turn(&mut forest, &name, &value)?;
             }

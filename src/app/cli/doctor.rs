@@ -258,7 +258,7 @@ impl Doctor {
 fn asked(environment: &Environment) -> (Findings, Option<String>, Option<(u16, u16)>) {
     let unasked = |why: String| {
         let mut findings = Findings::default();
-        findings.give_up();
+        findings.ask_nothing();
         (findings, Some(why), None)
     };
     let tty = match Tty::open() {

@@ -24,7 +24,7 @@ use super::timings::Timings;
 use super::{GrowArgs, complete};
 use crate::cache;
 use crate::exit::usage;
-use crate::forecast::{Outlook, announce};
+use crate::forecast::Outlook;
 use crate::progress::Progress;
 use crate::source::Source;
 
@@ -236,7 +236,7 @@ impl Made<'_> {
         let place = age.map_or_else(|| source.shown.clone(), |age| format!("{}, {age}", source.shown));
         if let Some(outlook) = Outlook::of(&source.recipe, progress) {
             let seconds = outlook.export_s(&source.recipe, &batch.formats(), self.seasons.len());
-            announce(seconds, &outlook.amount());
+            outlook.announce(seconds);
         }
         source.recipe = source.recipe.wanting(batch.wanted());
         let grown = super::grown_and_drawn(&source, progress)?;

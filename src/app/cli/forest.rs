@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCATTERING, builtin_forests};
 use linden::monitor::Holding;
+use linden::preset::builtin;
 
 use super::outputs::{Files, Outputs, finish, write};
 use super::scene::SceneFlags;
@@ -13,7 +14,7 @@ use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
 use crate::source;
-use crate::source::forest::{ForestFile, turn};
+use crate::source::forest::{ForestFile, ForestSource, turn};
 
 /// Lay out a forest and write it for 3D programs
 ///
@@ -190,10 +191,10 @@ impl Written<'_> {
 }
 
 /// The forest that a file describes, once its notes are printed.
-pub(super) fn resolved(file: ForestFile, progress: &Progress) -> anyhow::Result<linden::forest::Forest> {
+pub(super) fn resolved(file: ForestFile, progress: &Progress) -> anyhow::Result<ForestSource> {
     let source = file.resolve(progress)?;
     super::notes(&source.notes, progress);
-    Ok(source.forest)
+    Ok(source)
 }
 
 /// Several sources in one file, each tree where its own file has it; `settings` are the knobs that are turned on
@@ -233,6 +234,14 @@ pub(super) fn side_by_side(
 /// `fir:3`: a name and its share, 1 where none is said.
 fn with_share(kind: &str) -> anyhow::Result<(&str, f64)> {
     let parsed = kind.rsplit_once(':').and_then(|(name, share)| Some((name, share.parse::<f64>().ok()?)));
+    if let (None, Some((name, share))) = (parsed, kind.rsplit_once(':'))
+        && builtin(name).is_ok()
+    {
+        let [name, share] = [name, share].map(linden::knob::printable);
+        return Err(usage(format!(
+            "{name}:{share}: expected a share of all trees behind the colon, like {name}:3"
+        )));
+    }
     match parsed {
         None => Ok((kind, 1.0)),
         Some((_, share)) if share > 0.0 && share.is_finite() => Ok(parsed.unwrap_or((kind, 1.0))),

@@ -75,7 +75,7 @@ pub(super) fn show(
     }
     let summary = described.document.summary.clone();
     let shown = described.shown();
-    let mut forest = resolved(described, progress)?;
+    let mut forest = resolved(described, progress)?.forest;
     for (name, value) in pairs {
         turn(&mut forest, name, value)?;
     }

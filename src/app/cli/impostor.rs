@@ -94,8 +94,7 @@ impl Impostor {
         }
         // All places are tried before anything grows.
         let folders = self.placing.folders([output.as_path()])?;
-        let mut bundle = self.placing.bundle(&output).map_err(explained)?;
-        linden_exporters::ensure_spared(std::slice::from_ref(&bundle), &source.files).map_err(explained)?;
+        let mut bundle = self.placing.bundle_beside(&output, &source.files).map_err(explained)?;
         let grown = super::grown_and_drawn(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         drop(grown);

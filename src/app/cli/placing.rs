@@ -6,7 +6,7 @@ use clap::Args;
 use linden::Monitor;
 use linden::memory::OverMemory;
 use linden::picture::{Picture, PictureFormat};
-use linden_exporters::{Bundle, ExportError, MadeFolders, make_folders, plain_stem};
+use linden_exporters::{Bundle, ExportError, MadeFolders, ensure_spared, make_folders, plain_stem};
 use linden_raster::Size;
 
 use crate::exit::{ReaderGone, usage};
@@ -40,6 +40,13 @@ impl Placing {
     pub fn bundle(&self, target: &Path) -> Result<Bundle, ExportError> {
         let bundle = if is_dash(target) { Bundle::stdout() } else { Bundle::create(target)? };
         Ok(if self.no_sync { bundle.unsynced() } else { bundle })
+    }
+
+    /// The same for what is made of `sources`, none of which it may replace.
+    pub fn bundle_beside(&self, target: &Path, sources: &[PathBuf]) -> Result<Bundle, ExportError> {
+        let bundle = self.bundle(target)?;
+        ensure_spared(std::slice::from_ref(&bundle), sources)?;
+        Ok(bundle)
     }
 }
 
@@ -133,6 +140,11 @@ impl PictureTarget {
     pub fn admit(&self, size: Size, held_bytes: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
         let PictureKind::Pixels(format) = self.kind else { return Ok(()) };
         portrait::admit(format, size, held_bytes, monitor)
+    }
+
+    /// Refuses to replace one of the files that what it shows is made of.
+    pub fn spare(&self, sources: &[PathBuf]) -> anyhow::Result<()> {
+        ensure_spared(std::slice::from_ref(&self.bundle), sources).map_err(explained)
     }
 
     /// Writes the file, with the recipe of what it shows, and puts it in its place.

@@ -22,7 +22,7 @@ use ratatui::layout::Rect;
 use super::placing::{PictureTarget, Placing, is_folder};
 use super::{GrowArgs, workbench};
 use crate::exit::usage;
-use crate::forecast::{Outlook, announce};
+use crate::forecast::Outlook;
 use crate::portrait::{FILE_SIZE, PITCH_DEG, PreviewLook, Sitter, file_style, on_background};
 use crate::progress::Progress;
 use crate::source::forest::ForestFile;
@@ -152,6 +152,7 @@ impl Preview {
             target = Some(open(folder, &source.recipe.preset.id)?);
         }
         if let Some(target) = &target {
+            target.spare(&source.files)?;
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             target.admit(Size::new(width, height).map_err(usage)?, 0, &progress)?;
         }
@@ -159,7 +160,7 @@ impl Preview {
             let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
             let pixels = f64::from(width) * f64::from(height);
             let shows_surface = Sitter::shows_surface(&source.recipe, &outlook.sample.grown, look, self.lod);
-            announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
+            outlook.announce(outlook.picture_s(&source.recipe, pixels, shows_surface));
         }
         let grown = super::grown(&source, &progress)?;
         if let Some(why) = self.color.and_then(|paint| paint.hindrance(&grown.skeleton)) {

@@ -1,10 +1,9 @@
 //! `linden scan`: what a laser scanner would measure on a tree or in a forest, and what each point lies on.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use linden::forest::Forest;
 use linden::grow::grow;
 use linden::knob::printable;
 use linden::preset::Preset;
@@ -19,7 +18,7 @@ use super::placing::{Placing, as_sole_output, explained, is_dash, is_folder};
 use crate::exit::usage;
 use crate::progress::Progress;
 use crate::source::Source;
-use crate::source::forest::{ForestFile, turn};
+use crate::source::forest::{ForestFile, ForestSource, turn};
 
 /// Sides of the thickest rings that are scanned: with fewer, a mesh holds less wood than the cylinders of its tree.
 const SIDES: u32 = 64;
@@ -137,9 +136,9 @@ impl Scan {
         // All places are tried before anything grows.
         let targets = std::iter::once(&output).chain(&self.truth).map(PathBuf::as_path);
         let folders = self.placing.folders(targets)?;
-        let mut points_file = self.placing.bundle(&output).map_err(explained)?;
-        let mut truth_file =
-            self.truth.as_deref().map(|path| self.placing.bundle(path)).transpose().map_err(explained)?;
+        let bundle = |path: &Path| self.placing.bundle_beside(path, subject.files()).map_err(explained);
+        let mut points_file = bundle(&output)?;
+        let mut truth_file = self.truth.as_deref().map(bundle).transpose()?;
         let (target, truth) = self.target(&subject, &pairs, &progress)?;
         let scan = scanner::scan(&target, &settings, &progress).with_context(|| subject.shown())?;
         drop(target);
@@ -213,11 +212,11 @@ impl Scan {
                 "--distance is for one tree: the stands of {shown} are spread among its trees; --positions says how many"
             )));
         }
-        let mut forest = super::forest::resolved(file, progress)?;
+        let mut source = super::forest::resolved(file, progress)?;
         for (name, value) in pairs {
-            turn(&mut forest, name, value)?;
+            turn(&mut source.forest, name, value)?;
         }
-        Ok(Subject::Forest(Box::new(forest)))
+        Ok(Subject::Forest(Box::new(source)))
     }
 
     /// What is scanned, and the table of what it truly is.
@@ -239,7 +238,8 @@ impl Scan {
                 target.add(&grown, &tubes, self.leaves, progress).with_context(|| source.shown.clone())?;
                 truth += &truth_row(&target, &source.recipe.preset, &TreeSizes::of(&grown.skeleton));
             }
-            Subject::Forest(forest) => {
+            Subject::Forest(source) => {
+                let forest = &source.forest;
                 let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
                 let mut grown = Vec::new();
                 for tree in &plan.trees {
@@ -281,28 +281,36 @@ impl Scan {
 /// What is scanned.
 enum Subject {
     Tree(Box<Source>),
-    Forest(Box<Forest>),
+    Forest(Box<ForestSource>),
 }
 
 impl Subject {
+    /// The files that it was read from.
+    fn files(&self) -> &[PathBuf] {
+        match self {
+            Self::Tree(source) => &source.files,
+            Self::Forest(source) => &source.files,
+        }
+    }
+
     fn id(&self) -> &str {
         match self {
             Self::Tree(source) => &source.recipe.preset.id,
-            Self::Forest(forest) => &forest.id,
+            Self::Forest(source) => &source.forest.id,
         }
     }
 
     fn seed(&self) -> u64 {
         match self {
             Self::Tree(source) => source.recipe.preset.seed(),
-            Self::Forest(forest) => forest.layout.seed,
+            Self::Forest(source) => source.forest.layout.seed,
         }
     }
 
     fn shown(&self) -> String {
         match self {
             Self::Tree(source) => source.shown.clone(),
-            Self::Forest(forest) => forest.id.clone(),
+            Self::Forest(source) => source.forest.id.clone(),
         }
     }
 }

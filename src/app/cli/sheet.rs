@@ -97,6 +97,7 @@ impl Sheet {
         for path in &sources {
             let mut source = source::resolve(path, &settings, &progress)?;
             super::define(&mut source, &self.defines)?;
+            target.spare(&source.files)?;
             super::notes(&source.notes, &progress);
             super::notes(&super::idle(&source.recipe.preset, &settings), &progress);
             if self.lods.is_some() {
@@ -131,6 +132,7 @@ impl Sheet {
         target.admit(sheet.size(), 0, &progress)?;
         let holding = Holding::new(&progress, sheet.bytes());
         let (mut seconds, mut announced) = (0.0, false);
+        let (mut number, of_all) = (0, trees.len() * self.seeds as usize);
         for mut source in trees {
             if let Some(outlook) = Outlook::of(&source.recipe, &progress).filter(|_| !announced) {
                 let shows_surface = self.lods.is_some()
@@ -146,6 +148,8 @@ impl Sheet {
             }
             let first = source.recipe.preset.seed();
             for step in 0..self.seeds {
+                number += 1;
+                progress.among("tree", number, of_all);
                 source.recipe.preset.set_seed(first.wrapping_add(step));
                 let grown = super::grown_beside(&source, &holding, &progress)?;
                 let say = &mut |notes: &[String]| super::notes(notes, &progress);

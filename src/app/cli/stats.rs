@@ -11,7 +11,7 @@ use serde::Serialize;
 
 use super::GrowArgs;
 use super::ages::aged;
-use crate::forecast::{Outlook, announce};
+use crate::forecast::Outlook;
 use crate::numbers::line;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -131,7 +131,7 @@ impl StatsReport {
     /// Grows and measures.
     fn of(source: &Source, age: Option<String>, progress: &Progress) -> anyhow::Result<Self> {
         if let Some(outlook) = Outlook::of(&source.recipe, progress) {
-            announce(outlook.stats_s(&source.recipe), &outlook.amount());
+            outlook.announce(outlook.stats_s(&source.recipe));
         }
         let started = Instant::now();
         let grown = super::grown(source, progress)?;

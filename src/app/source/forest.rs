@@ -11,7 +11,6 @@ use crate::config::presets::has_trees;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::source::Source;
-use crate::trust;
 
 /// A forest and what it was read from.
 #[derive(Debug)]
@@ -112,13 +111,8 @@ impl ForestFile {
             let source = match &tree.source {
                 TreeSource::Recipe(json) => super::of_recipe(beside, json, monitor)?,
                 TreeSource::Named(name) => {
-                    let is_id = builtin(name).is_ok() || super::user_preset(Path::new(name))?.is_some();
-                    let named = if is_id {
-                        PathBuf::from(name)
-                    } else {
-                        let place = || super::mention(&show(beside), &text, name);
-                        trust::beside(path.as_deref(), name).with_context(place)?
-                    };
+                    let place = || super::mention(&show(beside), &text, name);
+                    let named = super::named_in(path.as_deref(), name).with_context(place)?;
                     super::resolve(&named, &[], monitor)?
                 }
             };

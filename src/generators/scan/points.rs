@@ -238,10 +238,11 @@ fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
         notes.push(format!("{} points were taken for ground and left out", report.ground_points));
     }
     if report.noise_points > 0 {
-        notes.push(format!(
-            "{} points with hardly any others near them were left out as noise; noise_filter=false keeps them",
-            report.noise_points
-        ));
+        let points = match report.noise_points {
+            1 => "1 point with hardly any others near it was".to_owned(),
+            count => format!("{count} points with hardly any others near them were"),
+        };
+        notes.push(format!("{points} left out as noise; noise_filter=false keeps them"));
     }
     if report.leaf_points > 0 {
         let all = report.leaf_points + scan.bark.len();

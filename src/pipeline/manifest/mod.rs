@@ -8,7 +8,7 @@
 //!     [[trees]]
 //!     source = "oak"
 //!     seeds = "1..3"
-//!     set = { season = [0.2, 0.8], points = "3000..6000" }
+//!     set = { season = [0.2, 0.8], bole = "2..3.5" }
 //!     "#,
 //! )?;
 //! assert_eq!(manifest.len(), 6);

@@ -16,7 +16,7 @@ use super::drawing::{
 use crate::scene::Scene;
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::mesh::Bounds;
-use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::picture::Picture;
 
 /// How a plant is seen.
@@ -173,6 +173,7 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
     // Of a few at a time, laid in their order.
     for row in 0..frames {
         monitor.check()?;
+        monitor.advance(Phase::View, row.into(), Some(frames.into()));
         let views = (row * frames..(row + 1) * frames).into_par_iter().map(seen);
         for (corner, resolved, near) in views.collect::<Result<Vec<_>, Cancelled>>()? {
             pile.lay(&resolved, corner, Vec3::ONE);

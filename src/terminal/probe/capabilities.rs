@@ -209,7 +209,9 @@ impl<'a> Known<'a> {
 
     /// Why there is no answer.
     fn unanswered(&self) -> &'static str {
-        if self.findings.is_complete() {
+        if self.findings.has_asked_nothing() {
+            "the terminal was not asked"
+        } else if self.findings.is_complete() {
             "the terminal does not say"
         } else if self.findings.is_settled() {
             "the terminal did not answer in time"

@@ -64,6 +64,8 @@ pub struct Findings {
     pub(super) cell_px: Option<(u16, u16)>,
     pub(super) window_cell_px: Option<(u16, u16)>,
     gave_up: bool,
+    /// And nothing was asked for.
+    asked_nothing: bool,
 }
 
 /// Puts it in if nothing is there; whether it did.
@@ -109,6 +111,17 @@ impl Findings {
     /// The time for answers is over. Those that come later still count.
     pub fn give_up(&mut self) {
         self.gave_up = true;
+    }
+
+    /// The terminal is not asked at all.
+    pub fn ask_nothing(&mut self) {
+        self.asked_nothing = true;
+        self.give_up();
+    }
+
+    /// Whether it was not asked.
+    pub fn has_asked_nothing(&self) -> bool {
+        self.asked_nothing
     }
 
     /// Whether all answers are in: the last has come.

@@ -24,7 +24,8 @@ const MOST: usize = 10_000_000;
 
 /// A manifest with its sources.
 pub struct Plan {
-    path: PathBuf,
+    /// The manifest's file; `None`: its sources were typed.
+    path: Option<PathBuf>,
     manifest: Manifest,
     /// By the names that the manifest has for them.
     sources: BTreeMap<String, Source>,
@@ -58,26 +59,38 @@ impl Plan {
         let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
         let text = source::document(&bytes, &shown, progress)?;
         let manifest = Manifest::parse(text).map_err(|fault| source::locate(&shown, &fault))?;
-        Self::of(manifest, path, progress)
+        let document = (path != Path::new("-")).then_some(path);
+        let named = |name: &str| {
+            source::named_in(document, name).with_context(|| source::mention(&shown, text, name))
+        };
+        Self::of(manifest, Some(path), &named, progress)
     }
 
-    /// Of a manifest at a path, which its files are beside.
-    pub fn of(manifest: Manifest, path: &Path, progress: &Progress) -> anyhow::Result<Self> {
+    /// Of a manifest whose sources were typed, like arguments.
+    pub fn typed(manifest: Manifest, progress: &Progress) -> anyhow::Result<Self> {
+        Self::of(manifest, None, &|name| Ok(name.into()), progress)
+    }
+
+    /// `named` has what a manifest means by a source.
+    fn of(
+        manifest: Manifest,
+        path: Option<&Path>,
+        named: &dyn Fn(&str) -> anyhow::Result<PathBuf>,
+        progress: &Progress,
+    ) -> anyhow::Result<Self> {
         let drawn = Arc::new(cache::pictures(DrawnPictures::new(room_for_pictures(progress))));
-        let mut plan = Self { path: path.to_owned(), manifest, sources: BTreeMap::new() };
+        let mut plan = Self { path: path.map(Path::to_owned), manifest, sources: BTreeMap::new() };
         let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
         for name in names {
-            // Beside the manifest, as a preset names its files.
-            let beside = path.parent().map(|folder| folder.join(name)).filter(|beside| beside.is_file());
-            let mut found = source::resolve(beside.as_deref().unwrap_or(Path::new(name)), &[], progress)?;
+            let mut found = source::resolve(&named(name)?, &[], progress)?;
             found.recipe = found.recipe.drawn_into(&drawn);
             crate::cli::notes(&found.notes, progress);
             plan.sources.insert(name.clone(), found);
         }
         plan.check_options()?;
         if plan.len() > MOST {
-            let (shown, trees) = (show(path), plan.len());
-            return Err(usage(format!("{shown}: {trees} trees are more than {MOST}; divide the manifest")));
+            let (shown, trees) = (path.map_or_else(String::new, |path| show(path) + ": "), plan.len());
+            return Err(usage(format!("{shown}{trees} trees are more than {MOST}; divide the manifest")));
         }
         // A mistake in a knob is found before anything grows.
         let mut first = 0;
@@ -98,7 +111,7 @@ impl Plan {
     /// The manifest, and the files that its trees are grown from.
     pub fn files(&self) -> Vec<PathBuf> {
         let of_sources = self.sources.values().flat_map(|source| &source.files);
-        of_sources.chain([&self.path]).cloned().collect()
+        of_sources.chain(&self.path).cloned().collect()
     }
 
     /// Whether trees are grown from what the manifest calls so.

@@ -14,7 +14,7 @@ use crate::exit::usage;
 use crate::jobs::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest};
 use crate::portrait::{FOREST_SIZE, PreviewLook, draw_forest};
 use crate::progress::Progress;
-use crate::source::forest::{ForestFile, turn};
+use crate::source::forest::{ForestFile, ForestSource, turn};
 
 impl Preview {
     /// Draws a forest, its surfaces.
@@ -25,7 +25,7 @@ impl Preview {
         progress: &Progress,
     ) -> anyhow::Result<()> {
         self.refuse_for_a_forest()?;
-        let mut forest = resolved(file, progress)?;
+        let ForestSource { mut forest, files, .. } = resolved(file, progress)?;
         for (name, value) in self.growing.pairs()?.into_iter().chain(self.budget.pair()) {
             turn(&mut forest, &name, &value)?;
         }
@@ -38,6 +38,9 @@ impl Preview {
             return Err(usage(
                 "an SVG is a flat drawing of one tree; a forest's picture is .png, .jpg or .webp",
             ));
+        }
+        if let Some(target) = &target {
+            target.spare(&files)?;
         }
         let file_size = self.size.unwrap_or(FOREST_SIZE);
         if let Some(target) = &target {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use linden::Monitor;
 use linden::season::Season;
-use linden_exporters::{Batch, Bundle, Exporter, LooksIn, Options, Output, Traces, writers};
+use linden_exporters::{Batch, Bundle, Exporter, Format, LooksIn, Options, Output, Traces, writers};
 
 use super::tree::Tree;
 use crate::cli::batch::PICTURES;
@@ -54,9 +54,9 @@ pub fn compare(path: &Path, tree: &Tree, monitor: &dyn Monitor) -> anyhow::Resul
                     Difference::At(what) => first_difference = first_difference.or(Some(what)),
                 }
             }
-            if !exporter.format().self_contained && is_of_a_season(path) {
+            if !exporter.format().self_contained && is_one_of_several(path, exporter.format()) {
                 return Ok(Bytes::NotCompared(
-                    "it shares pictures with other seasons: bytes not compared".to_owned(),
+                    "it shares pictures with other ages or seasons: bytes not compared".to_owned(),
                 ));
             }
         }
@@ -98,7 +98,7 @@ struct Attempt {
     index: usize,
 }
 
-/// How a file may have been named: as it is, as a level or as a season of another name.
+/// How a file may have been named: as it is, as a level, or as an age or a season of another name.
 fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, levels: usize) -> Vec<Attempt> {
     let format = exporter.format();
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -121,20 +121,33 @@ fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, lev
         Attempt { index: index.min(outputs.len() - 1), outputs }
     };
     let mut attempts = vec![in_levels(output(stem))];
-    if format.seasons() == LooksIn::Files
-        && let Some((stem, season)) = stem.rsplit_once('_')
+    if !format.self_contained
+        && let Some((stem, look)) = stem.rsplit_once('_')
     {
-        let season = Season { name: season.to_owned(), season: 0.0 };
-        attempts.extend(output(stem).in_seasons(&[season]).into_iter().map(in_levels));
+        attempts.push(in_levels(output(stem).in_look(look)));
     }
     attempts
 }
 
-/// Whether it is named as one of the seasons that `--seasons` has.
-fn is_of_a_season(path: &Path) -> bool {
-    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let stem = stem.rsplit_once("_LOD").map_or(stem.as_str(), |(stem, _)| stem);
-    Season::all().iter().any(|season| stem.ends_with(&format!("_{}", season.name)))
+/// Whether it is named as one of several ages or seasons: `oak_young.obj` beside `oak_grown.obj`, or like those that
+/// `--seasons` has.
+fn is_one_of_several(path: &Path, format: &Format) -> bool {
+    let whole_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let ending = format.ending_of(path).unwrap_or_default();
+    let split = |path: &Path| {
+        let name = whole_name(path);
+        let stem = name.strip_suffix(ending)?.strip_suffix('.')?;
+        let stem = stem.rsplit_once("_LOD").map_or(stem, |(stem, _)| stem);
+        stem.rsplit_once('_').map(|(plant, look)| (plant.to_owned(), look.to_owned()))
+    };
+    let Some((plant, look)) = split(path) else { return false };
+    if Season::all().iter().any(|season| season.name == look) {
+        return true;
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let Ok(entries) = std::fs::read_dir(folder) else { return false };
+    let mut others = entries.flatten().filter_map(|entry| split(&entry.path()));
+    others.any(|(other, other_look)| other == plant && other_look != look)
 }
 
 fn stem_of(path: &Path) -> String {

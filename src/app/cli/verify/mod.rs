@@ -59,7 +59,8 @@ impl Verify {
         let beside: BTreeSet<PathBuf> = rows.iter().flat_map(|row| row.beside.iter().cloned()).collect();
         others.retain(|path| !beside.contains(path));
         // What an index lists is somebody's; all else in a folder is not asked for.
-        rows.extend(found.listed.unchecked(&others));
+        let are_all_compared = rows.iter().all(|row| row.outcome != Outcome::SameTree);
+        rows.extend(found.listed.unchecked(&others, are_all_compared));
         rows.sort_by(|a, b| a.path.cmp(&b.path));
         let is_good = |row: &&Row| row.outcome.is_good(self.bytes);
         let good = rows.iter().filter(is_good).count();

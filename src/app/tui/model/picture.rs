@@ -81,6 +81,8 @@ pub struct PictureState {
     pub turning: Option<Instant>,
     /// What is on screen.
     pub painted: Option<Box<Painted>>,
+    /// Whether that is of what was chosen before, until there is a picture of what is chosen now.
+    pub is_of_before: bool,
     /// What stays framed while something is dragged, which would run away from the pointer otherwise.
     pub frozen: Option<Extent>,
     /// Where the pointer was while a button is down.
@@ -105,6 +107,7 @@ impl Default for PictureState {
             scale: true,
             turning: None,
             painted: None,
+            is_of_before: false,
             frozen: None,
             drag: None,
             keeps_camera: false,

@@ -95,6 +95,7 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
+    picture.is_of_before = picture.painted.is_some();
     (picture.drag, picture.level, picture.frozen, picture.slice_m) = (None, None, None, None);
     if picture.keeps_camera {
         return;
@@ -251,7 +252,19 @@ pub fn painted(model: &mut Model, painted: Painted) {
     if painted.request.detail == Detail::Full {
         model.picture.fast = painted.took < FAST && !model.terminal.remote.value;
     }
+    let subject = &painted.request.subject;
+    let is_shown = match subject {
+        Subject::Word(_) => true,
+        Subject::Tree(_) | Subject::Forest(_) => wanted_subject(model).is_some_and(|shown| shown.is(subject)),
+    };
+    model.picture.is_of_before &= !is_shown;
     model.picture.painted = Some(Box::new(painted));
+}
+
+/// What has grown of what is chosen.
+fn wanted_subject(model: &Model) -> Option<Subject> {
+    let tree = model.tree.as_ref().and_then(|tree| tree.shown.clone()).map(Subject::Tree);
+    tree.or_else(|| model.forest.as_ref().and_then(|forest| forest.shown.clone()).map(Subject::Forest))
 }
 
 /// A tree grew for the first time: it is looked at from its broad side.

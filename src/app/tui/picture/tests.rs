@@ -10,7 +10,13 @@ fn the_last_picture_stands_until_the_next_is_there_and_goes_where_none_will_come
     bench.load();
     assert!(bench.model.tree.as_ref().unwrap().shown.is_none(), "the next tree has not grown yet");
     assert!(standing(&bench.model).unwrap().request.is_of(&before));
-    assert!(bench.screen().contains("├─"), "with its scale");
+    let screen = bench.screen();
+    assert!(screen.contains("drawing …") && !screen.contains("├─"), "without its scale: {screen}");
+    bench.settle();
+    let screen = bench.screen();
+    assert!(!screen.contains("drawing …") && screen.contains("├─"), "{screen}");
+    bench.keys("j");
+    bench.load();
     bench.msg(Msg::Grown(Err("the grammar draws nothing".to_owned())));
     assert!(standing(&bench.model).is_none());
     assert!(bench.screen().contains("the grammar draws nothing"));

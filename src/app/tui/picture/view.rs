@@ -93,7 +93,13 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         // Where panes have no headings, the bar to scrub takes the row.
         let is_taken =
             model.growth.step().is_some() && model.layout().headings[Pane::Picture as usize].is_empty();
-        if model.picture.scale && model.config.settings.scale_bar && !scale.is_empty() && !is_taken {
+        let has_room = !scale.is_empty() && !is_taken;
+        if model.picture.is_of_before {
+            // Of a scale that is another tree's nothing could be read.
+            if has_room {
+                buffer.set_stringn(scale.x, scale.y, "drawing …", scale.width.into(), theme.busy);
+            }
+        } else if model.picture.scale && model.config.settings.scale_bar && has_room {
             scale_bar(model, painted, scale, buffer);
         }
         if let Some(ends) = &painted.legend

@@ -306,6 +306,11 @@ pub fn grown(model: &mut Model, grown: Result<Arc<ShownTree>, String>) {
         Ok(shown) => {
             tree.fault = None;
             let is_first = tree.shown.is_none();
+            // What was just edited, and is not as it says.
+            let before = tree.shown.as_ref().map(|before| &before.grown.remarks);
+            let mut remarks = shown.grown.remarks.iter();
+            let new = before.and_then(|before| remarks.find(|remark| !before.contains(remark)));
+            let warning = new.map(ToString::to_string);
             for note in &shown.grown.notes {
                 tracing::debug!(note, "growing");
             }
@@ -315,6 +320,9 @@ pub fn grown(model: &mut Model, grown: Result<Arc<ShownTree>, String>) {
             }
             if is_first {
                 picture::first_look(model, &shown);
+            }
+            if let Some(warning) = warning {
+                model.say_warning(warning);
             }
         }
         Err(why) => {

@@ -188,6 +188,8 @@ fn an_edit_that_was_not_made_says_so_in_the_form() {
     let mut bench = fir();
     add(&mut bench.model, "remove stem/9999", None).unwrap();
     bench.settle();
+    let said = bench.model.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
+    assert!(said.starts_with("edit 1 (remove stem/9999) was left out: "), "{said}");
     bench.model.focus_on(Pane::Shape);
     bench.keys("G");
     let shown = bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap();

@@ -22,7 +22,7 @@ pub fn ask(tty: &Tty, environment: &Environment, within: Duration) -> io::Result
     findings.take_window(tty.size());
     let bytes = queries(environment);
     if bytes.is_empty() {
-        findings.give_up();
+        findings.ask_nothing();
         return Ok(findings);
     }
     let deadline = Instant::now() + within;
