@@ -383,8 +383,8 @@ fn what_the_tree_grows_from_is_never_replaced() {
     );
     refused(&folder, 2, &["preview", "fir", "-o", "mine.toml"], &["mine.toml", "PNG"]);
     // What a survey cost a day to make is not lost to a slip of the hand.
-    let points: String = (0..400).map(|i| format!("0.0 {} 0.0\n", f64::from(i) * 0.01)).collect();
-    folder.write("survey.xyz", points);
+    let rows: Vec<String> = (0..400).map(|i| format!("0.0 {} 0.0", f64::from(i) * 0.01)).collect();
+    folder.write("survey.xyz", rows.join("\n"));
     let survey = ["scan", "survey.xyz", "--positions", "1", "--step", "1"];
     for (name, args) in
         [("survey.xyz", &["-o", "x.ply", "--truth", "survey.xyz"][..]), ("copy.ply", &["-o", "./copy.ply"])]

@@ -103,6 +103,14 @@ pub(in crate::detail) struct Cut {
     pub pieces: Vec<(u32, Mass)>,
 }
 
+impl Cut {
+    /// The piece that reaches highest.
+    pub fn highest(&self) -> Option<u32> {
+        let heights = (0..).zip(&self.pieces).map(|(piece, (_, mass))| (piece, mass.high.y));
+        heights.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(piece, _)| piece)
+    }
+}
+
 impl Burden {
     pub fn new(skeleton: &Skeleton, organs: &Organs, forms: &LevelForms, is_thin: &[bool]) -> Self {
         let nodes = skeleton.positions.len();

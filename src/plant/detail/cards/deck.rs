@@ -20,6 +20,8 @@ const LOOK: usize = CELLS + 4;
 /// How much the mean direction counts beside the cells: what hangs from a level shoot is no shoot that hangs, though
 /// both may lie in the same cells.
 const DIRECTION: f32 = 0.3;
+/// The fewest prototypes of which one is the top.
+const LEAST_WITH_TOP: usize = 6;
 /// Rounds of moving groups to their means.
 const ROUNDS: usize = 8;
 
@@ -37,7 +39,8 @@ type Look = [f32; LOOK];
 
 impl Deck {
     /// Chooses up to `most` prototypes, such that each piece is much like its own: k-means over where foliage is (Lloyd
-    /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean.
+    /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean. The top of a tree with
+    /// one leader, which is seen against the sky, stands for itself.
     pub fn new(
         pieces: &Pieces,
         skeleton: &Skeleton,
@@ -58,7 +61,8 @@ impl Deck {
         let looks = looks(cut, &frames, rods(skeleton, organs, forms, is_thin));
         monitor.check()?;
         let count = frames.len();
-        let groups = most.clamp(1, usize::from(u8::MAX)).min(count);
+        let top = (most >= LEAST_WITH_TOP && count > most).then(|| leader(cut, skeleton)).flatten();
+        let groups = (most - usize::from(top.is_some())).clamp(1, usize::from(u8::MAX) - 1).min(count);
         let mut means: Vec<Look> = (0..groups).map(|i| looks[(2 * i + 1) * count / (2 * groups)]).collect();
         let mut group_of = vec![0; count];
         for _ in 0..ROUNDS {
@@ -91,9 +95,21 @@ impl Deck {
                 prototypes.push(piece);
             }
         }
-        let card_of = group_of.into_iter().map(|group| number[group]).collect();
+        let mut card_of: Vec<u8> = group_of.into_iter().map(|group| number[group]).collect();
+        if let Some(top) = top.filter(|&top| prototypes[usize::from(card_of[top as usize])] != top) {
+            card_of[top as usize] = prototypes.len() as u8;
+            prototypes.push(top);
+        }
         Ok(Self { frames, card_of, prototypes })
     }
+}
+
+/// The piece that reaches highest, where it is what a stem ends in: the top of a tree with one leader.
+fn leader(cut: &Cut, skeleton: &Skeleton) -> Option<u32> {
+    let highest = cut.highest()?;
+    let (node, _) = cut.pieces[highest as usize];
+    let mut stems = skeleton.axes.iter().filter(|axis| axis.order == 0);
+    stems.any(|stem| skeleton.nodes_of(stem).contains(&node)).then_some(highest)
 }
 
 /// Squared. Four sums at a time, which is what makes it fast.

@@ -90,6 +90,25 @@ fn what_hangs_is_shown_hanging() {
     assert!(hanging > 500 && off * 50 < hanging, "{off} of {hanging}");
 }
 
+#[test]
+fn the_top_of_a_tree_with_a_leader_is_shown_as_it_is() {
+    for (id, has_leader) in [("norway-spruce", true), ("drawn-oak", false)] {
+        let (subject, grown) = subject(id, &[]);
+        let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+        let detail = simplifier.within(5000, true, &Quiet).unwrap();
+        let pieces = simplifier.pieces(&detail, &Quiet).unwrap();
+        let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, 12, &Quiet).unwrap();
+        assert!(pieces.cut.pieces.len() > 100 && deck.prototypes.len() <= 12, "{id}");
+        // Where the highest leaf is.
+        let placed = &grown.organs.placed;
+        let highest =
+            (0..placed.len()).max_by(|&a, &b| placed.positions[a].y.total_cmp(&placed.positions[b].y));
+        let top = pieces.cut.piece_of[placed.growth.nodes[highest.unwrap()] as usize];
+        let model = deck.prototypes[usize::from(deck.card_of[top as usize])];
+        assert_eq!(model == top, has_leader, "{id}");
+    }
+}
+
 /// What a scene covers, seen from a side without perspective: each pixel whether anything is there.
 fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec<bool> {
     let mut canvas = Canvas::new(Pixels::new(side, side));
