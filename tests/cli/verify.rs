@@ -163,11 +163,13 @@ fn one_of_several_ages_or_seasons_is_never_called_changed() {
     for file in ["p_young.obj", "p_old.gltf", "p_young.usda", "s_spring.obj", "s_late.obj"] {
         assert!(["same-tree", "same-bytes"].map(Value::from).contains(&outcome(file)), "{file}: {report}");
     }
-    // One alone is compared, as any file with such a name is.
+    // One alone is compared, and one beside another tree that is named alike.
     let other = Folder::new();
-    export(&other, "fir", &["-o", "fir_tall.obj"]);
-    other.write("fir_tall.obj", [&other.read("fir_tall.obj")[..], b"#"].concat());
-    assert_eq!(only(&other, "fir_tall.obj").1, "other-bytes");
+    export(&other, "fir", &["-o", "fir_1.obj"]);
+    other.write("fir_1.obj", [&other.read("fir_1.obj")[..], b"#"].concat());
+    assert_eq!(only(&other, "fir_1.obj").1, "other-bytes");
+    export(&other, "fir", &["-o", "fir_2.obj", "--seed", "2"]);
+    assert_eq!(only(&other, "fir_1.obj").1, "other-bytes");
 }
 
 #[test]

@@ -9,11 +9,12 @@ use anyhow::Context;
 use linden::Monitor;
 use linden::season::Season;
 use linden_exporters::{Batch, Bundle, Exporter, Format, LooksIn, Options, Output, Traces, writers};
+use serde_json::Value;
 
 use super::tree::Tree;
 use crate::cli::batch::PICTURES;
 use crate::paths::show;
-use crate::reading;
+use crate::reading::{self, Content};
 
 /// What the bytes say.
 pub enum Bytes {
@@ -54,7 +55,7 @@ pub fn compare(path: &Path, tree: &Tree, monitor: &dyn Monitor) -> anyhow::Resul
                     Difference::At(what) => first_difference = first_difference.or(Some(what)),
                 }
             }
-            if !exporter.format().self_contained && is_one_of_several(path, exporter.format()) {
+            if !exporter.format().self_contained && is_one_of_several(path, exporter.format(), monitor)? {
                 return Ok(Bytes::NotCompared(
                     "it shares pictures with other ages or seasons: bytes not compared".to_owned(),
                 ));
@@ -129,25 +130,38 @@ fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, lev
     attempts
 }
 
-/// Whether it is named as one of several ages or seasons: `oak_young.obj` beside `oak_grown.obj`, or like those that
-/// `--seasons` has.
-fn is_one_of_several(path: &Path, format: &Format) -> bool {
-    let whole_name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+/// Whether it is one of several ages or seasons: named like those that `--seasons` has, or as `oak_young.obj` beside
+/// `oak_grown.obj`, which holds the same plant with the same seed.
+fn is_one_of_several(path: &Path, format: &Format, monitor: &dyn Monitor) -> anyhow::Result<bool> {
     let ending = format.ending_of(path).unwrap_or_default();
     let split = |path: &Path| {
-        let name = whole_name(path);
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let stem = name.strip_suffix(ending)?.strip_suffix('.')?;
         let stem = stem.rsplit_once("_LOD").map_or(stem, |(stem, _)| stem);
         stem.rsplit_once('_').map(|(plant, look)| (plant.to_owned(), look.to_owned()))
     };
-    let Some((plant, look)) = split(path) else { return false };
+    let Some((plant, look)) = split(path) else { return Ok(false) };
     if Season::all().iter().any(|season| season.name == look) {
-        return true;
+        return Ok(true);
     }
+    let individual = individual(path, monitor)?;
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let Ok(entries) = std::fs::read_dir(folder) else { return false };
-    let mut others = entries.flatten().filter_map(|entry| split(&entry.path()));
-    others.any(|(other, other_look)| other == plant && other_look != look)
+    let reading = || format!("reading the folder {}", show(folder));
+    for entry in std::fs::read_dir(folder).with_context(reading)? {
+        let other = entry.with_context(reading)?.path();
+        let is_another = split(&other).is_some_and(|(name, other)| name == plant && other != look);
+        if is_another && self::individual(&other, monitor).is_ok_and(|other| other == individual) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// The preset and the seed that a file's recipe names.
+fn individual(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Option<[Option<Value>; 2]>> {
+    let recipe = Content::File(reading::open_regular(path)?).recipe(monitor)?;
+    let recipe: Option<Value> = recipe.and_then(|json| serde_json::from_str(&json).ok());
+    Ok(recipe.map(|recipe| ["id", "seed"].map(|key| recipe.get(key).cloned())))
 }
 
 fn stem_of(path: &Path) -> String {

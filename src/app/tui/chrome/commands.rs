@@ -269,6 +269,6 @@ fn quit(model: &mut Model, effects: &mut Effects) {
     if model.exporting.may_leave(model.now) {
         effects.push(Effect::Quit);
     } else {
-        model.say_warning("an export is running; once more leaves and cancels it, with nothing written");
+        model.say_warning("an export is running: once more cancels it and leaves");
     }
 }
