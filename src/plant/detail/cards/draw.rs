@@ -277,13 +277,16 @@ fn light_within(layers: f32, color: Vec3) -> Vec3 {
 }
 
 /// How much of what leaves within a piece take from each other is drawn on its card. The cards of a crown shade each
-/// other, too, and the more of them there are, the more of it they do.
-fn shade_share(pieces: usize) -> f32 {
-    /// Fitted to six plants as Cycles shows them in 20000, 5000, 1000 and 500 triangles.
+/// other, too, and the more of them there are, the more of it they do; where normals point out of the crown they darken the side
+/// that is off the light as well.
+fn shade_share(pieces: usize, is_dome: bool) -> f32 {
+    /// Fitted to six plants with such normals as Cycles shows them in 20000, 5000, 1000 and 500 triangles.
     const OF_FEW: f32 = 0.3;
+    /// Without, to a spruce and a Douglas fir.
+    const OF_FEW_FLAT: f32 = 0.4;
     const FEW: f32 = 250.0;
     let crowd = (pieces as f32 / FEW).max(1.0);
-    OF_FEW / crowd.sqrt().sqrt()
+    (if is_dome { OF_FEW } else { OF_FEW_FLAT }) / crowd.sqrt().sqrt()
 }
 
 /// The leaves and the thin wood of a piece, the leaves larger by a factor.
@@ -326,7 +329,7 @@ fn model(
             *normal = frame.turned(*normal);
         }
     }
-    Ok(Model { parts, shade_share: shade_share(level.cut.pieces.len()) })
+    Ok(Model { parts, shade_share: shade_share(level.cut.pieces.len(), super::is_mostly_dome(&organs)) })
 }
 
 /// Thin wood as prisms without ends.

@@ -134,13 +134,13 @@ impl Cards {
             deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
         });
         let drawn = draw::draw(models, specimen, body, wardrobe, size_px, monitor)?;
-        let color = drawn.color();
+        let (color, is_dome) = (drawn.color(), is_mostly_dome(body.organs));
         let shape = |mesh: Mesh| LeafShape {
             kind: 0,
             sketch: mesh.clone(),
             mesh,
             color,
-            is_dome: true,
+            is_dome,
             faces: 1,
             lods: Vec::new(),
         };
@@ -170,6 +170,17 @@ impl Cards {
         organs.placed.append(cards);
         (organs, worn)
     }
+}
+
+/// Whether most of the foliage is lit as a crown, by normals that point out of it: then so are cards.
+fn is_mostly_dome(organs: &Organs) -> bool {
+    let placed = &organs.placed;
+    let dome_m2 = placed.prototypes.iter().zip(&placed.sizes_m).map(|(&prototype, size_m)| {
+        let shape = usize::from(prototype).checked_sub(PROTOTYPES.len());
+        let is_dome = shape.and_then(|shape| organs.shapes.get(shape)).is_some_and(|shape| shape.is_dome);
+        f64::from(size_m * size_m) * if is_dome { 1.0 } else { -1.0 }
+    });
+    dome_m2.sum::<f64>() >= 0.0
 }
 
 /// A card for each piece.

@@ -109,6 +109,23 @@ fn the_top_of_a_tree_with_a_leader_is_shown_as_it_is() {
     }
 }
 
+#[test]
+fn cards_are_lit_as_the_leaves_are_that_they_show() {
+    for (id, is_dome) in [("dressed-fir", false), ("hazel", true)] {
+        let (subject, grown) = subject(id, &[("triangles", "4000")]);
+        assert_eq!(is_mostly_dome(&grown.organs), is_dome, "{id}");
+        let scene = &dressed(&subject, &grown)[0].scene;
+        let cards = scene.parts.iter().find(|part| part.name.contains("branches")).unwrap();
+        let Mesh { positions, normals, triangles, .. } = &cards.mesh;
+        let straight = triangles.iter().filter(|corners| {
+            let [a, b, c] = corners.map(|corner| positions[corner as usize]);
+            (b - a).cross(c - a).normalize().dot(normals[corners[0] as usize]) > 0.999
+        });
+        let share = straight.count() as f32 / triangles.len() as f32;
+        assert!(if is_dome { share < 0.2 } else { share == 1.0 }, "{id}: {share}");
+    }
+}
+
 /// What a scene covers, seen from a side without perspective: each pixel whether anything is there.
 fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec<bool> {
     let mut canvas = Canvas::new(Pixels::new(side, side));
