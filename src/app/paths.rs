@@ -1,4 +1,4 @@
-//! Paths as messages show them.
+//! Paths as they are shown, typed and compared.
 
 use std::path::{Path, PathBuf};
 
@@ -17,6 +17,12 @@ pub fn expand(typed: &str, home: Option<&Path>) -> PathBuf {
         (None, Some(home)) if typed == "~" => home.to_owned(),
         _ => PathBuf::from(typed),
     }
+}
+
+/// Whether a path leads to one of these files, however both are written. What is not there, or not any more, is none.
+pub fn is_one_of(path: &Path, files: &[PathBuf]) -> bool {
+    let Ok(real) = path.canonicalize() else { return false };
+    files.iter().any(|file| file.canonicalize().is_ok_and(|file| file == real))
 }
 
 #[cfg(test)]

@@ -27,6 +27,7 @@ fn without_a_terminal_it_says_so_and_reports_the_rest() {
     let folder = Folder::new();
     let text = doctor(&folder, &[], &[]).done().out;
     assert!(text.contains("It was not asked: standard input is not a terminal"), "{text}");
+    assert!(text.contains("the terminal was not asked") && !text.contains("in time"), "{text}");
     for what in [
         "multiplexer",
         "pictures",

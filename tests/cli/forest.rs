@@ -341,6 +341,8 @@ fn what_cannot_stand_side_by_side_is_refused_with_what_to_do() {
     refused(&["fir", "oak", "--set", "spacing=9"], 2, &["'spacing' has no effect"]);
     refused(&["fir", "oak", "--seasons"], 2, &["--seasons is for one source"]);
     refused(&["fir", "nope"], 2, &["no preset and no file 'nope'"]);
+    let share = folder.run(&["forest", "fir:x", "-o", "x.glb"]);
+    assert!(share.code == Some(2) && share.err.contains("like fir:3"), "{}", share.err);
     assert!(folder.names().is_empty());
 }
 

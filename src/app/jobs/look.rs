@@ -12,7 +12,7 @@ use linden_exporters::{Estimate, Existing, ExportError, examine};
 
 use super::export::NO_STREAM;
 use super::{ExportNews, ShownTree};
-use crate::paths::expand;
+use crate::paths::{expand, is_one_of};
 use crate::system;
 
 /// What the export dialog wants to know.
@@ -96,9 +96,6 @@ fn findings(
     home: Option<&Path>,
     watcher: &dyn Monitor,
 ) -> Result<Vec<TargetFinding>, Cancelled> {
-    // A source that is gone by now cannot be replaced any more.
-    let sources: Vec<PathBuf> =
-        inquiry.sources.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
     let mut taken = BTreeMap::<(PathBuf, OsString), &str>::new();
     let mut found = Vec::new();
     for typed in &inquiry.targets {
@@ -109,7 +106,7 @@ fn findings(
             TargetFinding::Unfit("type where the file is to be".to_owned())
         } else if twice {
             TargetFinding::Unfit("another format goes there too; give each its own name".to_owned())
-        } else if fs::canonicalize(&path).is_ok_and(|real| sources.contains(&real)) {
+        } else if is_one_of(&path, &inquiry.sources) {
             TargetFinding::Unfit("the tree is grown from that file; choose another name".to_owned())
         } else {
             finding(&path)

@@ -222,11 +222,7 @@ impl Sweep {
             .partition(|(name, _)| source::is_file_key(name));
         let fixed: Vec<_> = files.into_iter().chain(self.budget.pair()).collect();
         let found = source::resolve(&self.growing.source, &fixed, progress)?;
-        let is_output = |file: &PathBuf| {
-            let places = file.canonicalize().and_then(|file| Ok((file, self.output.canonicalize()?)));
-            places.is_ok_and(|(file, output)| file == output)
-        };
-        if found.files.iter().any(is_output) {
+        if crate::paths::is_one_of(&self.output, &found.files) {
             let shown = crate::paths::show(&self.output);
             return Err(usage(format!("{shown}: the tree is grown from that file; choose another name")));
         }
