@@ -36,16 +36,6 @@ impl Progress {
         Self { started: now, shows: std::io::stderr().is_terminal(), shown }
     }
 
-    /// Says in all bars from now on which one of several is worked on, from 1: `tree 3 of 24`.
-    pub fn among(&self, what: &str, number: usize, count: usize) {
-        if let Ok(mut shown) = self.shown.lock() {
-            shown.among = if count > 1 { format!("{what} {number} of {count}") } else { String::new() };
-            if let Some((_, bar)) = &shown.bar {
-                bar.set_message(shown.among.clone());
-            }
-        }
-    }
-
     /// Takes the bar away, so that other lines can be written.
     pub fn clear(&self) {
         if let Ok(mut shown) = self.shown.lock()
@@ -69,6 +59,16 @@ impl Monitor for Progress {
 
     fn memory_limit(&self) -> u64 {
         crate::memory::limit()
+    }
+
+    /// In all bars from now on.
+    fn among(&self, what: &'static str, number: usize, count: usize) {
+        if let Ok(mut shown) = self.shown.lock() {
+            shown.among = if count > 1 { format!("{what} {number} of {count}") } else { String::new() };
+            if let Some((_, bar)) = &shown.bar {
+                bar.set_message(shown.among.clone());
+            }
+        }
     }
 
     fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {

@@ -14,6 +14,9 @@ pub trait Monitor: Sync {
     /// `done` of `total` units (see `phase`) are finished; `total` is `None` where nobody can know.
     fn advance(&self, phase: Phase, done: u64, total: Option<u64>);
 
+    /// What follows is about one of several, `number` from 1: tree 3 of 24.
+    fn among(&self, _what: &'static str, _number: usize, _count: usize) {}
+
     /// `Err(Cancelled)` when the result is no longer wanted: for `?` inside loops.
     ///
     /// # Errors
@@ -161,6 +164,10 @@ impl Monitor for Holding<'_> {
 
     fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         self.monitor.advance(stage, done, total);
+    }
+
+    fn among(&self, what: &'static str, number: usize, count: usize) {
+        self.monitor.among(what, number, count);
     }
 
     fn memory_limit(&self) -> u64 {

@@ -257,8 +257,12 @@ fn files_go_into_a_directory_under_the_name_of_what_they_hold() {
         names
     };
     folder.run(&["export", "older-a", "-o", "there", "--format", "glb,ply-skeleton"]).done();
-    folder.run(&["preview", "older-a", "-o", "there/"]).done();
-    folder.run(&["sheet", "older-a", "-o", "there"]).done();
+    // What was written is listed, as of an export.
+    for (command, target, name) in [("preview", "there/", "older-a.png"), ("sheet", "there", "sheet.png")] {
+        let said = folder.run(&[command, "older-a", "-o", target]).done();
+        let listed = said.out.strip_prefix(&format!("there/{name}  "));
+        assert!(listed.is_some_and(|size| size.ends_with("KiB\n")), "{}", said.out);
+    }
     assert_eq!(names("there"), ["older-a-skeleton.ply", "older-a.glb", "older-a.png", "sheet.png"]);
     folder.run(&["export", "older-a", "-o", "a/b/", "--format", "qsm", "--mkdir", "--no-sync"]).done();
     folder.run(&["preview", "older-a", "-o", "a/c/x.png", "--mkdir"]).done();

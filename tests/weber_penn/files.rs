@@ -102,7 +102,9 @@ fn what_is_no_parameter_is_refused_with_its_place() {
             "parameter '0CurveRes': 1000000000 is no value of curve_res",
         ),
         ("<arbaro><param name=\"Shape\" value=\"11\"/></arbaro>", "11 is no shape: 0 to 8 are"),
-        ("<arbaro><param", "this XML is broken"),
+        ("<arbaro><param", "1:15: this XML is broken"),
+        // Cut off: the end is where something is missing.
+        ("<arbaro>\n <species name=\"a\">\n", "2:20: this XML is broken"),
         ("<arbaro><param value=\"1\"/></arbaro>", "a <param> has no name"),
         ("<svg/>", "this XML holds no <param>"),
         ("1DownAngle=60\nnonsense\n", "2:1: expected a line like 1DownAngle=60, found 'nonsense'"),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
+use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::Duration;
 
 use anyhow::Context;
@@ -14,6 +14,9 @@ use crate::progress::Progress;
 
 /// Results that may wait for one before them: what a slow tree holds up.
 const MOST_WAITING: usize = 4096;
+
+/// Without a result for so long, it is shown that work goes on.
+const STILL: Duration = Duration::from_millis(200);
 
 /// Bytes for pictures that several trees share: what a dozen kinds need, but never much of what there is.
 pub fn room_for_pictures(progress: &Progress) -> u64 {
@@ -116,8 +119,17 @@ impl<'a> Crew<'a> {
         mut take: impl FnMut(R) -> anyhow::Result<bool>,
     ) -> anyhow::Result<()> {
         let mut waiting = BTreeMap::new();
-        let mut next = numbers.start;
-        for (number, result) in receiver {
+        let (mut next, of_all) = (numbers.start, Some(numbers.len() as u64));
+        loop {
+            let (number, result) = match receiver.recv_timeout(STILL) {
+                Ok(done) => done,
+                Err(RecvTimeoutError::Disconnected) => break,
+                // The first of them may take minutes.
+                Err(RecvTimeoutError::Timeout) => {
+                    self.progress.advance(Phase::Measure, (next - numbers.start) as u64, of_all);
+                    continue;
+                }
+            };
             waiting.insert(number, result);
             while let Some(entry) =
                 waiting.first_entry().filter(|entry| !self.in_order || *entry.key() == next)
@@ -128,7 +140,7 @@ impl<'a> Crew<'a> {
                 }
                 next += 1;
                 taken.store(next, Ordering::Relaxed);
-                self.progress.advance(Phase::Measure, next as u64, Some(numbers.end as u64));
+                self.progress.advance(Phase::Measure, (next - numbers.start) as u64, of_all);
             }
         }
         self.progress.check()?;

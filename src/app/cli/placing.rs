@@ -6,7 +6,7 @@ use clap::Args;
 use linden::Monitor;
 use linden::memory::OverMemory;
 use linden::picture::{Picture, PictureFormat};
-use linden_exporters::{Bundle, ExportError, MadeFolders, ensure_spared, make_folders, plain_stem};
+use linden_exporters::{Bundle, ExportError, MadeFolders, Written, ensure_spared, make_folders, plain_stem};
 use linden_raster::Size;
 
 use crate::exit::{ReaderGone, usage};
@@ -147,8 +147,14 @@ impl PictureTarget {
         ensure_spared(std::slice::from_ref(&self.bundle), sources).map_err(explained)
     }
 
-    /// Writes the file, with the recipe of what it shows, and puts it in its place.
-    pub fn write(self, picture: &Picture, recipe: Option<&str>, progress: &Progress) -> anyhow::Result<()> {
+    /// Writes the file, with the recipe of what it shows, and puts it in its place; gives what can be listed: nothing
+    /// that went to standard output.
+    pub fn write(
+        self,
+        picture: &Picture,
+        recipe: Option<&str>,
+        progress: &Progress,
+    ) -> anyhow::Result<Vec<Written>> {
         let format = if let PictureKind::Pixels(format) = self.kind { format } else { PictureFormat::Png };
         let bytes = picture.preview(format, recipe)?;
         progress.clear();
@@ -156,22 +162,22 @@ impl PictureTarget {
         self.put(&bytes, progress)
     }
 
-    /// Writes the text of an SVG, and puts it in its place.
-    pub fn write_svg(self, svg: &str, progress: &Progress) -> anyhow::Result<()> {
+    /// The same with the text of an SVG.
+    pub fn write_svg(self, svg: &str, progress: &Progress) -> anyhow::Result<Vec<Written>> {
         progress.clear();
         self.put(svg.as_bytes(), progress)
     }
 
-    fn put(self, bytes: &[u8], progress: &Progress) -> anyhow::Result<()> {
+    fn put(self, bytes: &[u8], progress: &Progress) -> anyhow::Result<Vec<Written>> {
         let Self { mut bundle, is_stdout, folders, .. } = self;
         if let Some(pipe) = bundle.unread_pipe() {
             super::notes(&[waiting(pipe)], progress);
         }
         let done = bundle.write_main(Some(bytes.len() as u64), progress, |sink| sink.write(bytes));
         done.map_err(if is_stdout { as_sole_output } else { explained })?;
-        bundle.commit().map_err(explained)?;
+        let written = bundle.commit().map_err(explained)?;
         folders.into_iter().for_each(MadeFolders::keep);
-        Ok(())
+        Ok(if is_stdout { Vec::new() } else { written })
     }
 }
 

@@ -19,6 +19,7 @@ use linden_terminal::{
 };
 use ratatui::layout::Rect;
 
+use super::outputs::list;
 use super::placing::{PictureTarget, Placing, is_folder};
 use super::{GrowArgs, workbench};
 use crate::exit::usage;
@@ -216,11 +217,11 @@ impl Preview {
             let recipe = source.recipe.to_line_of(grown.hash());
             let svg = portrait.svg(&camera, &styled(style), size, &recipe, &progress);
             let svg = svg.with_context(|| source.shown.clone())?;
-            return target.write_svg(&svg, &progress);
+            return list(&target.write_svg(&svg, &progress)?);
         }
         let picture = draw(style, self.size.unwrap_or(FILE_SIZE))?;
         target.admit(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
-        target.write(&picture, Some(&source.recipe.to_line_of(grown.hash())), &progress)
+        list(&target.write(&picture, Some(&source.recipe.to_line_of(grown.hash())), &progress)?)
     }
 }
 

@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
-use linden::monitor::Holding;
+use linden::monitor::{Holding, Monitor as _};
 use linden::preset::builtins;
 
 use super::ages::aged;
+use super::outputs::list;
 use super::placing::{PictureTarget, Placing};
 use super::preview::size;
 use crate::exit::usage;
@@ -156,7 +157,7 @@ impl Sheet {
                 sheet.lay(&source.recipe, &grown, say, &holding).with_context(|| source.shown.clone())?;
             }
         }
-        target.write(&sheet.finish(), None, &progress)
+        list(&target.write(&sheet.finish(), None, &progress)?)
     }
 
     /// What is asked for: groups first, then the sources.

@@ -13,7 +13,7 @@ use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
-use super::{Done, Findings, ShownTree};
+use super::{Done, Findings, HowFar, ShownTree};
 use crate::exit;
 use crate::paths::expand;
 use crate::paths::show;
@@ -114,7 +114,7 @@ impl ExportNews {
     pub fn heard(said: Done<Self>) -> Option<Self> {
         match said {
             Done::Value(news) => Some(news),
-            Done::Progress { stage, done, .. } => Some(Self::Progress { doing: stage, done }),
+            Done::Progress(HowFar { stage, done, .. }) => Some(Self::Progress { doing: stage, done }),
             Done::Broken(why) => Some(Self::Broken(why)),
             Done::Finished => None,
         }

@@ -26,18 +26,27 @@ pub struct Answer<T> {
     pub done: Done<T>,
 }
 
+/// How far the work on a request is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HowFar {
+    /// What is being done.
+    pub stage: Phase,
+    /// Units finished.
+    pub done: u64,
+    /// Units in all, where that is known.
+    pub total: Option<u64>,
+    /// Which one of several this is about: `tree`, 3 of 24.
+    pub among: Option<Among>,
+}
+
+/// What the several are, the number of the one that is worked on (from 1), and how many there are.
+pub type Among = (&'static str, usize, usize);
+
 /// How far a request is.
 #[derive(Debug)]
 pub enum Done<T> {
     /// Still at it.
-    Progress {
-        /// What is being done.
-        stage: Phase,
-        /// Units finished.
-        done: u64,
-        /// Units in all, where that is known.
-        total: Option<u64>,
-    },
+    Progress(HowFar),
     /// Here it is. A lane may give several for one request (a gallery).
     Value(T),
     /// The work panicked, which is our fault.
@@ -68,8 +77,15 @@ struct Slot<R> {
 pub struct Watcher<'a> {
     number: u64,
     newest: &'a AtomicU64,
-    report: &'a (dyn Fn(Phase, u64, Option<u64>) + Sync),
-    last: Mutex<Option<(Phase, Instant)>>,
+    report: &'a (dyn Fn(HowFar) + Sync),
+    said: Mutex<Said>,
+}
+
+/// What was reported last.
+#[derive(Default)]
+struct Said {
+    last: Option<(Phase, Instant)>,
+    among: Option<Among>,
 }
 
 impl<R: Send + 'static> Lane<R> {
@@ -92,15 +108,13 @@ impl<R: Send + 'static> Lane<R> {
         let thread = std::thread::Builder::new().name(format!("{THREAD_PREFIX}{name}")).spawn(move || {
             system::lower_priority();
             while let Some((number, request)) = waiting.wait() {
-                let report = |stage, done, total| {
-                    send(Answer { number, done: Done::Progress { stage, done, total } });
-                };
-                let watcher =
-                    Watcher { number, newest: &waiting.newest, report: &report, last: Mutex::new(None) };
+                let report = |how_far| send(Answer { number, done: Done::Progress(how_far) });
+                let said = Mutex::default();
+                let watcher = Watcher { number, newest: &waiting.newest, report: &report, said };
                 let give = |value| send(Answer { number, done: Done::Value(value) });
                 let worked = catch_unwind(AssertUnwindSafe(|| work(request, &watcher, &give)));
                 if let Err(panic) = worked {
-                    send(Answer { number, done: Done::Broken(said(&*panic)) });
+                    send(Answer { number, done: Done::Broken(message(&*panic)) });
                 }
                 send(Answer { number, done: Done::Finished });
             }
@@ -174,8 +188,7 @@ impl Watcher<'static> {
     /// Watches work that nothing overtakes.
     pub fn idle() -> Self {
         static NEWEST: AtomicU64 = AtomicU64::new(0);
-        fn unheard(_: Phase, _: u64, _: Option<u64>) {}
-        Self { number: 0, newest: &NEWEST, report: &unheard, last: Mutex::new(None) }
+        Self { number: 0, newest: &NEWEST, report: &|_| (), said: Mutex::default() }
     }
 }
 
@@ -190,22 +203,27 @@ impl Monitor for Watcher<'_> {
 
     fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         // A thread that finds another one reporting has nothing to add.
-        let Ok(mut last) = self.last.try_lock() else { return };
+        let Ok(mut said) = self.said.try_lock() else { return };
         let now = Instant::now();
-        match *last {
+        match said.last {
             Some((of, at)) if of == stage && now - at < REPORT_EVERY => {}
             // Work that is over at once is not worth a report.
-            None => *last = Some((stage, now)),
+            None => said.last = Some((stage, now)),
             Some(_) => {
-                *last = Some((stage, now));
-                (self.report)(stage, done, total);
+                said.last = Some((stage, now));
+                (self.report)(HowFar { stage, done, total, among: said.among });
             }
         }
+    }
+
+    fn among(&self, what: &'static str, number: usize, count: usize) {
+        let mut said = self.said.lock().unwrap_or_else(PoisonError::into_inner);
+        said.among = (count > 1).then_some((what, number, count));
     }
 }
 
 /// What a panic said.
-fn said(panic: &(dyn std::any::Any + Send)) -> String {
+fn message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
 }
@@ -241,6 +259,27 @@ mod tests {
         assert!(first.number < two && matches!(first.done, Done::Finished), "{first:?}");
         let second = answers.recv().unwrap();
         assert!(second.number == two && matches!(second.done, Done::Value(2)), "{second:?}");
+    }
+
+    #[test]
+    fn progress_tells_which_one_of_several_it_is_about() {
+        let (sender, answers) = mpsc::channel();
+        let work = |(): (), watcher: &Watcher<'_>, _: &dyn Fn(())| {
+            watcher.advance(Phase::Grow, 0, None);
+            watcher.among("tree", 3, 24);
+            watcher.advance(Phase::Sweep, 5, Some(9));
+            watcher.among("tree", 1, 1);
+            watcher.advance(Phase::Sprout, 6, None);
+        };
+        let lane = Lane::start("test", move |answer| drop(sender.send(answer)), work).unwrap();
+        lane.submit(());
+        let of = |stage, done, total, among| HowFar { stage, done, total, among };
+        for expected in
+            [of(Phase::Sweep, 5, Some(9), Some(("tree", 3, 24))), of(Phase::Sprout, 6, None, None)]
+        {
+            let done = answers.recv().unwrap().done;
+            assert!(matches!(done, Done::Progress(how_far) if how_far == expected), "{done:?}");
+        }
     }
 
     #[test]

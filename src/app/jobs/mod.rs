@@ -25,7 +25,7 @@ pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_galle
 pub use grow::{Framed, Grower, ShownTree};
 #[cfg(test)]
 pub use grow::{grow_shown, stage};
-pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher};
+pub use lane::{Answer, Done, HowFar, Lane, THREAD_PREFIX, Watcher};
 pub use look::{Findings, Inquiry, TargetFinding, look};
 pub use measure::{Measured, MeasuredFigures, measure};
 pub use painter::{Painter, wind_strength};

@@ -5,11 +5,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use linden::lsystem::Grammar;
-use linden::monitor::Phase;
 use linden::preset::{KnobError, LSystem, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
-use crate::jobs::ShownTree;
+use crate::jobs::{HowFar, ShownTree};
 
 /// Nudges of one knob that follow each other faster are one step of undo.
 const ONE_STEP: Duration = Duration::from_millis(700);
@@ -43,7 +42,7 @@ pub struct Tree {
     /// Why the recipe on screen did not grow.
     pub fault: Option<String>,
     /// How far the growing is.
-    pub growing: Option<GrowthProgress>,
+    pub growing: Option<HowFar>,
 }
 
 /// What is to be changed of a tree as soon as its document is read.
@@ -73,17 +72,6 @@ struct Draft {
     text: String,
     /// What grew when it was typed: the draft is shown again as long as that does.
     grammar: Grammar,
-}
-
-/// How far growing is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GrowthProgress {
-    /// What is being done.
-    pub stage: Phase,
-    /// Units finished.
-    pub done: u64,
-    /// Units in all, where that is known.
-    pub total: Option<u64>,
 }
 
 impl Tree {

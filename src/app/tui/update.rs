@@ -12,11 +12,11 @@ use super::dialog::After;
 use super::effect::Effects;
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
-use super::tree::{GrowthProgress, TreePlace};
+use super::tree::TreePlace;
 use super::{derivation, export, forest, growth, library, picture, shape, statistics, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{Derivation, ExportNews, Measured, Painted, ShownForest, ShownTree, Thumbnail};
+use crate::jobs::{Derivation, ExportNews, HowFar, Measured, Painted, ShownForest, ShownTree, Thumbnail};
 use crate::source::forest::AnySource;
 
 /// What can happen.
@@ -32,7 +32,7 @@ pub enum Msg {
     /// A preset was read, or why not.
     Loaded(TreePlace, Result<AnySource, String>),
     /// How far the growing is.
-    Growing(GrowthProgress),
+    Growing(HowFar),
     /// The wanted recipe grew, or why not.
     Grown(Result<Arc<ShownTree>, String>),
     /// The wanted forest grew, or why not.

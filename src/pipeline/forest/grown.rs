@@ -94,7 +94,8 @@ impl GrownForest {
     ) -> Result<Self, GrownForestError> {
         let mut trees: Vec<GrownTree> = Vec::with_capacity(plan.trees.len());
         let mut held = inputs_bytes(&plan.trees);
-        for tree in &plan.trees {
+        for (index, tree) in plan.trees.iter().enumerate() {
+            monitor.among("tree", index + 1, plan.trees.len());
             let holding = Holding::new(monitor, held);
             let failed = |error| GrownForestError::Dress { tree: tree.name.clone(), error };
             let wood = grow(&tree.recipe, &holding)
@@ -112,6 +113,7 @@ impl GrownForest {
             tell(&grown);
             trees.push(grown);
         }
+        monitor.among("tree", 1, 1);
         Ok(Self { name: forest.name.clone(), recipe: forest.to_line(), trees, places: plan.places })
     }
 

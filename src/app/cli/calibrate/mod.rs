@@ -15,6 +15,7 @@ use self::measured::Measured;
 use super::GrowArgs;
 use super::crew::{Crew, Share};
 use crate::exit::{say, sentence, usage};
+use crate::forecast::{Outlook, announce};
 use crate::numbers::rounded;
 use crate::progress::Progress;
 
@@ -110,6 +111,11 @@ impl Calibrate {
         let trees = self
             .seeds
             .unwrap_or_else(|| (measured.trees as u64).clamp(*USUAL_TREES.start(), *USUAL_TREES.end()));
+        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+            let at_a_time = (trees as f64).min(rayon::current_num_threads() as f64);
+            let all = outlook.stats_s(&source.recipe) * trees as f64 / at_a_time;
+            announce(all, &format!("{trees} trees, {} each", outlook.amount()));
+        }
         let reports = grown(&source.recipe, trees, &progress)?;
         let compared = measured.columns.len() as f64;
         let row = |(number, sample): &(&'static Number, Sample)| row(number, sample, &reports, compared);

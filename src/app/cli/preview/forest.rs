@@ -9,6 +9,7 @@ use linden_terminal::probe::Overrides;
 
 use super::Preview;
 use crate::cli::forest::resolved;
+use crate::cli::outputs::list;
 use crate::cli::placing::PictureTarget;
 use crate::exit::usage;
 use crate::jobs::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest};
@@ -71,7 +72,7 @@ impl Preview {
         let Some(target) = target else { return self.show(overrides, progress, draw) };
         let picture = draw(Style::studio(), file_size)?;
         target.admit(Size::new(picture.width(), picture.height())?, held, progress)?;
-        target.write(&picture, Some(&shown.forest.to_line()), progress)
+        list(&target.write(&picture, Some(&shown.forest.to_line()), progress)?)
     }
 
     /// What a forest's picture has not.

@@ -10,8 +10,8 @@ use linden::knob::{Knob, Value};
 
 use super::model::{FormSpot, Model};
 use super::picture;
-use super::tree::{GrowthProgress, TreePlace};
-use crate::jobs::ShownForest;
+use super::tree::TreePlace;
+use crate::jobs::{HowFar, ShownForest};
 use crate::source::forest::ForestSource;
 
 /// A forest on screen.
@@ -30,7 +30,7 @@ pub struct ForestOnScreen {
     /// Why the forest did not grow.
     pub fault: Option<String>,
     /// How far the growing is.
-    pub growing: Option<GrowthProgress>,
+    pub growing: Option<HowFar>,
 }
 
 impl ForestOnScreen {

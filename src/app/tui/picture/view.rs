@@ -12,11 +12,10 @@ use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::{beside, seen, split, standing};
-use crate::jobs::Painted;
+use crate::jobs::{HowFar, Painted};
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, Target, View};
 use crate::tui::model::Model;
-use crate::tui::tree::GrowthProgress;
 use crate::wrap::clipped;
 
 /// What the pane's heading says beside its name.
@@ -162,11 +161,15 @@ fn handles(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) {
 }
 
 /// How far the growing is, in words.
-fn words(growing: &GrowthProgress) -> String {
+fn words(growing: &HowFar) -> String {
     let (doing, unit) = growing.stage.words();
-    match growing.total {
+    let done = match growing.total {
         Some(total) => format!("{doing} {} of {} {unit}", thousands(growing.done), thousands(total)),
         None => format!("{doing} {} {unit}", thousands(growing.done)),
+    };
+    match growing.among {
+        Some((what, number, count)) => format!("{what} {number} of {count}: {done}"),
+        None => done,
     }
 }
 

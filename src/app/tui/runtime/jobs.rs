@@ -26,7 +26,7 @@ use crate::tui::library;
 use crate::tui::model::Model;
 use crate::tui::picture;
 use crate::tui::statistics;
-use crate::tui::tree::{GrowthProgress, TreePlace};
+use crate::tui::tree::TreePlace;
 use crate::tui::update::Msg;
 use crate::tui::vary;
 
@@ -199,7 +199,7 @@ impl Desk {
             News::Load(answer) => match answer.done {
                 Done::Value((place, source)) => Some(Msg::Loaded(place, source)),
                 Done::Broken(why) => Some(Msg::Broken("reading", why)),
-                Done::Progress { .. } | Done::Finished => None,
+                Done::Progress(_) | Done::Finished => None,
             },
             News::Grow(Answer { number, done }) => match done {
                 Done::Finished => {
@@ -207,9 +207,7 @@ impl Desk {
                     None
                 }
                 _ if !self.grow.is_current(number) => None,
-                Done::Progress { stage, done, total } => {
-                    Some(Msg::Growing(GrowthProgress { stage, done, total }))
-                }
+                Done::Progress(how_far) => Some(Msg::Growing(how_far)),
                 Done::Value(grown) => {
                     if let Ok(shown) = &grown {
                         self.keep(Arc::clone(shown));
@@ -224,9 +222,7 @@ impl Desk {
                 None
             }
             News::Forest(answer) => match answer.done {
-                Done::Progress { stage, done, total } => {
-                    Some(Msg::Growing(GrowthProgress { stage, done, total }))
-                }
+                Done::Progress(how_far) => Some(Msg::Growing(how_far)),
                 Done::Value(grown) => Some(Msg::ForestGrown(grown)),
                 Done::Broken(why) => Some(Msg::Broken("growing the forest", why)),
                 Done::Finished => None,
@@ -239,28 +235,28 @@ impl Desk {
                 Done::Value(Ok(painted)) => Some(Msg::Painted(painted)),
                 Done::Value(Err(why)) => Some(Msg::NotPainted(why)),
                 Done::Broken(why) => Some(Msg::Broken("drawing", why)),
-                Done::Progress { .. } => None,
+                Done::Progress(_) => None,
             },
             News::Export(answer) => ExportNews::heard(answer.done).map(Msg::Export),
             News::Look(answer) => match answer.done {
                 Done::Value(news) => Some(Msg::Export(news)),
                 Done::Broken(why) => Some(Msg::Broken("looking at targets", why)),
-                Done::Progress { .. } | Done::Finished => None,
+                Done::Progress(_) | Done::Finished => None,
             },
             News::Measure(answer) => match answer.done {
                 Done::Value(measured) => Some(Msg::Measured(measured)),
                 Done::Broken(why) => Some(Msg::Broken("measuring", why)),
-                Done::Progress { .. } | Done::Finished => None,
+                Done::Progress(_) | Done::Finished => None,
             },
             News::Derive(answer) => match answer.done {
                 Done::Value(derivation) => Some(Msg::Derived(derivation)),
                 Done::Broken(why) => Some(Msg::Broken("deriving", why)),
-                Done::Progress { .. } | Done::Finished => None,
+                Done::Progress(_) | Done::Finished => None,
             },
             News::Gallery(answer) => match answer.done {
                 Done::Value(thumbnail) => Some(Msg::Thumbnail(Box::new(thumbnail))),
                 Done::Broken(why) => Some(Msg::Broken("drawing the gallery", why)),
-                Done::Progress { .. } | Done::Finished => None,
+                Done::Progress(_) | Done::Finished => None,
             },
         }
     }

@@ -27,10 +27,18 @@ fn draft() -> Draft {
 pub(super) fn read_xml(text: &str) -> Result<ParameterFile, Fault> {
     // What Arbaro writes has no document type, and one could make a short file long.
     let document = roxmltree::Document::parse(text).map_err(|error| {
-        let place = error.pos();
-        let place = TextPlace { line: place.row as usize, column: place.col as usize };
+        // The parser gives no place of its own where the text ends too early.
+        let place = if matches!(
+            error,
+            roxmltree::Error::UnexpectedEndOfStream | roxmltree::Error::UnclosedRootNode
+        ) {
+            place_at(text, text.trim_end().len())
+        } else {
+            let place = error.pos();
+            Some(TextPlace { line: place.row as usize, column: place.col as usize })
+        };
         Fault::new(
-            Some(place),
+            place,
             format!("this XML is broken: {}; save the species anew in Arbaro", printable(&error.to_string())),
         )
     })?;
