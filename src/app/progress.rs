@@ -122,13 +122,16 @@ fn bar(stage: Phase, total: Option<u64>) -> ProgressBar {
     };
     bar.set_draw_target(ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template(&template) {
+        // Before anything is done nobody knows how fast it goes.
         let rate = |state: &ProgressState, out: &mut dyn Write| {
-            // The line is drawn again in a moment: a failure to write it is nothing to stop for.
-            let _ = write!(out, "{}/s", HumanCount(state.per_sec() as u64));
+            if state.pos() > 0 {
+                // The line is drawn again in a moment: a failure to write it is nothing to stop for.
+                let _ = write!(out, "{}/s", HumanCount(state.per_sec() as u64));
+            }
         };
         // What is done is not what is waited for any more.
         let left = |state: &ProgressState, out: &mut dyn Write| {
-            if state.len() != Some(state.pos()) {
+            if state.pos() > 0 && state.len() != Some(state.pos()) {
                 let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
             }
         };

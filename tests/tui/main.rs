@@ -6,6 +6,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "a test that fails shows its screen")]
 
+mod bars;
 mod budgets;
 mod carried_on;
 mod colors;
