@@ -177,6 +177,7 @@ impl PictureTarget {
         done.map_err(if is_stdout { as_sole_output } else { explained })?;
         let written = bundle.commit().map_err(explained)?;
         folders.into_iter().for_each(MadeFolders::keep);
+        progress.clear();
         Ok(if is_stdout { Vec::new() } else { written })
     }
 }
