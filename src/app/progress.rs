@@ -36,6 +36,16 @@ impl Progress {
         Self { started: now, shows: std::io::stderr().is_terminal(), shown }
     }
 
+    /// Writes lines on the terminal where the bar is, which comes back behind them and keeps its speed.
+    pub fn beside<T>(&self, write: impl FnOnce() -> T) -> T {
+        if let Ok(shown) = self.shown.lock()
+            && let Some((_, bar)) = &shown.bar
+        {
+            return bar.suspend(write);
+        }
+        write()
+    }
+
     /// Takes the bar away, so that other lines can be written.
     pub fn clear(&self) {
         if let Ok(mut shown) = self.shown.lock()
@@ -61,7 +71,7 @@ impl Monitor for Progress {
         crate::memory::limit()
     }
 
-    /// In all bars from now on.
+    /// All bars say it from now on.
     fn among(&self, what: &'static str, number: usize, count: usize) {
         if let Ok(mut shown) = self.shown.lock() {
             shown.among = if count > 1 { format!("{what} {number} of {count}") } else { String::new() };

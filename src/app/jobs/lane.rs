@@ -81,7 +81,7 @@ pub struct Watcher<'a> {
     said: Mutex<Said>,
 }
 
-/// What was reported last.
+/// What was reported last, and which one of several the next report is about.
 #[derive(Default)]
 struct Said {
     last: Option<(Phase, Instant)>,

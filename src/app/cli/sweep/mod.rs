@@ -3,6 +3,7 @@
 mod rows;
 mod work;
 
+use std::io::IsTerminal;
 use std::path::PathBuf;
 
 use anyhow::bail;
@@ -191,9 +192,14 @@ impl Sweep {
             Table::open(&self.output, kind, (&keys, &header), existing, expected)?;
         let work = work::Work { plan: &plan, first: done };
         let mut stopped = None;
+        let on_screen = is_dash(&self.output) && std::io::stdout().is_terminal();
         work.run(&progress, |item, row, times| {
             let line = kind.line(&keys, item, &row, self.timings.then_some(times));
-            table.write(&line)?;
+            if on_screen {
+                progress.beside(|| table.write(&line))?;
+            } else {
+                table.write(&line)?;
+            }
             if let Err(error) = row.measured {
                 failed += 1;
                 let said = format!("tree {}: {error}", item.number);

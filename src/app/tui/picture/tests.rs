@@ -1,4 +1,7 @@
+use linden::monitor::Phase;
+
 use super::*;
+use crate::jobs::HowFar;
 use crate::tui::testing::Bench;
 use crate::tui::update::Msg;
 
@@ -125,4 +128,18 @@ fn what_is_for_scans_is_left_out_of_the_looks_of_other_trees() {
     let forth = seen.clone();
     bench.keys("C");
     assert_eq!(bench.model.picture.look.name(), forth[forth.len() - 2], "and back");
+}
+
+#[test]
+fn growing_says_which_tree_of_several_it_is_at() {
+    let mut bench = Bench::grown(100, 30);
+    let mut says = |among| {
+        let how_far = HowFar { stage: Phase::Sweep, done: 1200, total: Some(3400), among };
+        bench.model.tree.as_mut().unwrap().growing = Some(how_far);
+        bench.screen()
+    };
+    let one = says(None);
+    assert!(one.contains("surfacing 1 200 of 3 400 axes") && !one.contains("tree 3"), "{one}");
+    let several = says(Some(("tree", 3, 24)));
+    assert!(several.contains("tree 3 of 24: surfacing 1 200 of 3 400 axes"), "{several}");
 }
