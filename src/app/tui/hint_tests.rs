@@ -13,9 +13,16 @@ use super::testing::Bench;
 /// How a situation comes about: commands that are run on a workbench with a tree.
 type Path = Vec<&'static str>;
 
+/// A workbench in a situation, seen.
 fn bench(path: &[&str]) -> Bench {
+    let mut bench = unseen(path);
+    bench.look();
+    bench
+}
+
+fn unseen(path: &[&str]) -> Bench {
     // One in which chance has a part: it can be varied.
-    let bench = Bench::new(160, 48).without_pictures();
+    let bench = Bench::new(160, 48).unwatched();
     // A crown can be shaped where there is one.
     let shapes = path.first() == Some(&"crown-edit");
     let mut bench = if shapes { bench.with_plain("simple") } else { bench.with("abop-stochastic") };
@@ -78,10 +85,10 @@ fn find_situations() -> Vec<Path> {
         let first = vec!["export", "export-first", "export-toggle"];
         all.push([first, vec!["export-next"; row]].concat());
     }
-    let mut seen: BTreeSet<Context> = panes.iter().map(|path| bench(path).model.context()).collect();
+    let mut seen: BTreeSet<Context> = panes.iter().map(|path| unseen(path).model.context()).collect();
     let mut from = all.clone();
     while let Some(path) = from.pop() {
-        let here = bench(&path);
+        let here = unseen(&path);
         for command in commands::all() {
             let is_heard = command.context == here.model.context() || command.context == Context::GLOBAL;
             if !is_heard || (command.hindrance)(&here.model).is_some() {
@@ -89,7 +96,7 @@ fn find_situations() -> Vec<Path> {
             }
             let mut next = path.clone();
             next.push(command.id);
-            if seen.insert(bench(&next).model.context()) {
+            if seen.insert(unseen(&next).model.context()) {
                 all.push(next.clone());
                 from.push(next);
             }
@@ -100,7 +107,7 @@ fn find_situations() -> Vec<Path> {
 
 #[test]
 fn every_context_with_commands_can_be_reached() {
-    let reached: BTreeSet<Context> = situations().iter().map(|path| bench(path).model.context()).collect();
+    let reached: BTreeSet<Context> = situations().iter().map(|path| unseen(path).model.context()).collect();
     for command in commands::all() {
         let is_everywhere = [Context::ALWAYS, Context::GLOBAL].contains(&command.context);
         assert!(is_everywhere || reached.contains(&command.context), "{} in {reached:?}", command.id);
@@ -159,9 +166,10 @@ fn commands_run_everywhere_without_harm_and_those_that_cannot_say_why() {
     let empty = paths.len();
     paths.push(vec![]);
     for (i, path) in paths.iter().enumerate() {
-        let there = || if i == empty { Bench::new(100, 30) } else { bench(path) };
+        let there = || if i == empty { Bench::new(100, 30).unwatched() } else { unseen(path) };
         // What cannot be run changes nothing but the message: one workbench hears of all of it.
         let mut unmoved = there();
+        unmoved.look();
         unmoved.screen();
         let before = state(&unmoved);
         for command in commands::all() {

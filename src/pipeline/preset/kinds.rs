@@ -145,7 +145,7 @@ impl Preset {
     /// ```
     pub fn find_knob(&self, name: &str) -> Option<PresetKnob> {
         let of_kind = || self.kind_knob(name).ok().flatten();
-        self.knobs().into_iter().map(|(row, _)| row).find(|row| row.knob.is_called(name)).or_else(of_kind)
+        self.find_row(|_, knob| knob.is_called(name)).or_else(of_kind)
     }
 
     /// The row that an address means; `None` where it is no address.
@@ -165,7 +165,7 @@ impl Preset {
             Some(also) => Ok(ROWS.get(also).and_then(|rows| rows.get(row)).copied()),
             None => {
                 let name = LEAF_KNOBS[row].knob.name;
-                Ok(self.knobs().into_iter().map(|(row, _)| row).find(|row| row.knob.name == name))
+                Ok(self.find_row(|_, knob| knob.name == name))
             }
         }
     }

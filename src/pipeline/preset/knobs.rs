@@ -207,12 +207,19 @@ const TREE: Field<Preset> = Field {
 };
 
 /// The rows that stand before the generators'.
-pub(super) fn before() -> impl Iterator<Item = PresetKnob> {
-    std::iter::once(PresetKnob { knob: TREE.knob, section: Section::Tree, access: Access::Tree(TREE) })
+pub(super) fn before() -> &'static [PresetKnob] {
+    static BEFORE: [PresetKnob; 1] =
+        [PresetKnob { knob: TREE.knob, section: Section::Tree, access: Access::Tree(TREE) }];
+    &BEFORE
 }
 
 /// The rows that stand behind the generators'.
-pub(super) fn behind() -> impl Iterator<Item = PresetKnob> {
+pub(super) fn behind() -> &'static [PresetKnob] {
+    static BEHIND: LazyLock<Vec<PresetKnob>> = LazyLock::new(|| rows_behind().collect());
+    &BEHIND
+}
+
+fn rows_behind() -> impl Iterator<Item = PresetKnob> {
     fn rows<T>(
         section: Section,
         access: fn(Field<T>) -> Access,
@@ -235,7 +242,7 @@ pub static KNOBS: LazyLock<Vec<PresetKnob>> = LazyLock::new(|| {
     let generators = generators::all().iter().flat_map(|generator| {
         generator.knobs().into_iter().map(|knob| PresetKnob::of_generator(generator.id(), knob))
     });
-    before().chain(generators).chain(behind()).collect()
+    before().iter().copied().chain(generators).chain(behind().iter().copied()).collect()
 });
 
 #[cfg(test)]

@@ -249,17 +249,27 @@ impl Preset {
     /// The knobs that this preset has, with their values, in the order of the table.
     pub fn knobs(&self) -> Vec<(PresetKnob, Value)> {
         let id = self.generator.generator().id();
-        let with_value = |knob: PresetKnob| knob.read(self).map(|value| (knob, value));
-        let of_generator = self
-            .generator
-            .knobs()
-            .into_iter()
-            .map(|(knob, value)| (PresetKnob::of_generator(id, knob), value));
-        knobs::before()
-            .filter_map(with_value)
-            .chain(of_generator)
-            .chain(knobs::behind().filter_map(with_value))
-            .collect()
+        let of_generator = self.generator.knobs();
+        let mut all = Vec::with_capacity(knobs::before().len() + of_generator.len() + knobs::behind().len());
+        let with_value = |row: &PresetKnob| row.read(self).map(|value| (*row, value));
+        all.extend(knobs::before().iter().filter_map(with_value));
+        all.extend(of_generator.into_iter().map(|(knob, value)| (PresetKnob::of_generator(id, knob), value)));
+        all.extend(knobs::behind().iter().filter_map(with_value));
+        all
+    }
+
+    /// The first row of [`knobs`](Self::knobs) that is as asked for, found without reading values.
+    fn find_row(&self, is_meant: impl Fn(Section, &Knob) -> bool) -> Option<PresetKnob> {
+        let in_table =
+            |rows: &[PresetKnob]| rows.iter().find(|row| is_meant(row.section, &row.knob)).copied();
+        in_table(knobs::before())
+            .or_else(|| {
+                let id = self.generator.generator().id();
+                let mut own = self.generator.knobs().into_iter().map(|(knob, _)| knob);
+                own.find(|knob| is_meant(Section::Generator(id), knob))
+                    .map(|knob| PresetKnob::of_generator(id, knob))
+            })
+            .or_else(|| in_table(knobs::behind()))
     }
 
     /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails. A knob of a further kind of
@@ -277,31 +287,14 @@ impl Preset {
     /// # Errors
     /// An unknown name, or a value that the knob does not take.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), KnobError> {
-        let knobs = self.knobs();
-        let of_kind = self
-            .kind_knob(name)
-            .map_err(|problem| KnobError::Kind { name: printable(name), problem })?
-            .map(|knob| (knob, Value::Auto));
-        let found = knobs.iter().find(|(knob, _)| knob.knob.is_called(name)).or(of_kind.as_ref());
-        let Some((knob, _)) = found else {
+        let of_kind =
+            self.kind_knob(name).map_err(|problem| KnobError::Kind { name: printable(name), problem })?;
+        let Some(knob) = self.find_row(|_, knob| knob.is_called(name)).or(of_kind) else {
             if self.generator.set_text(name, text) {
                 return Ok(());
             }
-            let known: Vec<&'static str> = knobs.iter().map(|(knob, _)| knob.knob.name).collect();
-            let preset = printable(&self.id);
-            return Err(match KNOBS.iter().find(|knob| knob.knob.is_called(name)) {
-                Some(PresetKnob { knob, .. }) => {
-                    KnobError::NotHere { name: knob.name, help: knob.help, preset, known }
-                }
-                None => {
-                    let nearest = nearest(name, known.iter().copied());
-                    let meant = knobs.iter().find(|(knob, _)| Some(knob.knob.name) == nearest);
-                    let nearest = meant.map(|(knob, _)| Box::new(knob.knob));
-                    KnobError::Unknown { name: printable(name), nearest, preset, known }
-                }
-            });
+            return Err(self.no_such_knob(name));
         };
-        let knob = *knob;
         let fault = |problem| KnobError::Value { name: knob.knob.name, unit: knob.knob.unit, problem };
         if Spread::is_meant(text) {
             let spread = knob.parse_spread(text).map_err(fault)?;
@@ -316,6 +309,18 @@ impl Preset {
         self.drop_spread(&knob);
         knob.write(self, value);
         Ok(())
+    }
+
+    fn no_such_knob(&self, name: &str) -> KnobError {
+        let known: Vec<&'static str> = self.knobs().iter().map(|(row, _)| row.knob.name).collect();
+        let preset = printable(&self.id);
+        if let Some(PresetKnob { knob, .. }) = KNOBS.iter().find(|row| row.knob.is_called(name)) {
+            return KnobError::NotHere { name: knob.name, help: knob.help, preset, known };
+        }
+        let nearest = nearest(name, known.iter().copied())
+            .and_then(|nearest| self.find_row(|_, knob| knob.name == nearest))
+            .map(|row| Box::new(row.knob));
+        KnobError::Unknown { name: printable(name), nearest, preset, known }
     }
 
     /// What the generator advises where `text` is no value of its knob: an end for the message.

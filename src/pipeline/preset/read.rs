@@ -283,9 +283,8 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
     if is_taken || materials(preset, section).contains(&entry.key.as_str()) {
         return Ok(());
     }
-    let knobs = preset.knobs();
-    let found = knobs.iter().find(|(knob, _)| knob.section == section && knob.knob.is_called(&entry.key));
-    if let Some((knob, _)) = found {
+    let found = preset.find_row(|stands, knob| stands == section && knob.is_called(&entry.key));
+    if let Some(knob) = &found {
         if let Some(spread) = spread(knob, entry)? {
             preset.put_spread(knob, spread);
             return Ok(());

@@ -48,6 +48,8 @@ pub struct Bench {
     pub effects: Vec<Effect>,
     now: Instant,
     painter: Option<Painter>,
+    /// The screen is drawn after whatever happens, as in the program; otherwise when it is wanted.
+    is_watched: bool,
     /// The last picture that was drawn; on the screen it is blank.
     pub drawn: CellPicture,
 }
@@ -73,12 +75,31 @@ impl Bench {
         let model = Model::new(commands::ALL, config, terminal, (columns, rows), now);
         let nothing = Image::new(1, 1, &[0; 4]).unwrap();
         let drawn = CellPicture::draw(&nothing, 1, 1, &CellStyle::default(), usize::MAX);
-        Self { model, effects: Vec::new(), now, painter: Some(Painter::default()), drawn }
+        let painter = Some(Painter::default());
+        Self { model, effects: Vec::new(), now, painter, is_watched: true, drawn }
     }
 
     /// Draws no pictures from now on: for tests that make hundreds of workbenches.
     pub fn without_pictures(self) -> Self {
         Self { painter: None, ..self }
+    }
+
+    /// Draws no screen either until [`Bench::look`]: drawing it is most of a test's time.
+    pub fn unwatched(self) -> Self {
+        Self { painter: None, is_watched: false, ..self }
+    }
+
+    /// Draws the screen, and from now on after whatever happens.
+    pub fn look(&mut self) {
+        self.is_watched = true;
+        self.see();
+    }
+
+    /// The mouse, and how far a grammar is scrolled, mean what was last seen.
+    fn see(&mut self) {
+        if self.is_watched {
+            self.model.regions = self.paint().1.regions;
+        }
     }
 
     /// A workbench with a small tree on screen: ABOP's first, derived twice.
@@ -116,8 +137,7 @@ impl Bench {
         self.now += BETWEEN;
         let effects = update(&mut self.model, msg, self.now);
         self.effects.extend(effects);
-        // The mouse means what was last seen.
-        self.model.regions = self.paint().1.regions;
+        self.see();
     }
 
     /// Time passes, and what waits for it happens.
@@ -161,7 +181,7 @@ impl Bench {
         let command = self.model.command(id).unwrap();
         self.model.run(command, &mut effects);
         self.effects.extend(effects);
-        self.model.regions = self.paint().1.regions;
+        self.see();
     }
 
     /// Reads what is to be read.
