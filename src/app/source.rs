@@ -394,7 +394,12 @@ impl<'a> Reader<'a> {
                 match built_in.filter(|_| is_missing) {
                     Some(content) => Content::Bytes(content.to_vec()),
                     None if is_missing => {
-                        let said = format!("{error}; put it there, or name one that is there");
+                        if let Some(input) = self.elsewhere(file, cube, text)? {
+                            return Ok(input);
+                        }
+                        let said = format!(
+                            "{error}; put it there, name one that is there, or say with --allow-path where it is"
+                        );
                         bail!("{}: reading {}: {said}", place(), show(&beside));
                     }
                     None => {
@@ -406,6 +411,27 @@ impl<'a> Reader<'a> {
         };
         let reading = || format!("{}: reading {}", place(), show(&beside));
         content.input(file, cube, self.monitor).with_context(reading)
+    }
+
+    /// The file of a document that was written into another folder than its preset's.
+    fn elsewhere(&mut self, file: &str, cube: Option<f64>, document: &str) -> anyhow::Result<Option<Input>> {
+        for found in trust::elsewhere(file) {
+            let reading = || format!("reading {}", show(&found.path));
+            let input = reading::open_regular(&found.path)
+                .map_err(anyhow::Error::from)
+                .and_then(|opened| Ok(Content::File(opened).input(file, cube, self.monitor)?));
+            // What is wrong with a file that nobody allowed is not said, for it would quote from it.
+            let input = match input {
+                Ok(input) => input,
+                Err(error) if found.is_allowed => return Err(error.context(reading())),
+                Err(_) => continue,
+            };
+            if found.is_allowed || hash_then(document, file).as_deref() == Some(&*input.hash_text()) {
+                self.files.push(found.path);
+                return Ok(Some(input));
+            }
+        }
+        Ok(None)
     }
 }
 
@@ -447,26 +473,29 @@ pub fn document<'a>(bytes: &'a [u8], shown: &str, monitor: &dyn Monitor) -> anyh
 
 /// Notes about files that are not those that a recipe was made with.
 fn other_files(recipe: &str, inputs: &Inputs) -> Vec<String> {
-    let Ok(document) = serde_json::from_str::<serde_json::Value>(recipe) else { return Vec::new() };
+    let is_other = |(name, input): &(&str, &Input)| {
+        hash_then(recipe, name).is_some_and(|then| then != input.hash_text())
+    };
+    let note = |(name, _)| {
+        let name = printable(name);
+        format!("{name} is not the file that the recipe was made with; another tree will grow")
+    };
+    inputs.iter().filter(is_other).map(note).collect()
+}
+
+/// The hash of a file when a recipe was made with it.
+fn hash_then(recipe: &str, name: &str) -> Option<String> {
+    let document: serde_json::Value = serde_json::from_str(recipe).ok()?;
     // Recipes of before there were parts have one, by itself.
     let then = match (document.get("inputs"), document.get("input")) {
         (Some(serde_json::Value::Array(inputs)), _) => inputs.iter().collect(),
         (_, Some(input)) => vec![input],
         _ => Vec::new(),
     };
-    let hash_then = |name: &str| {
-        let text = |input: &serde_json::Value, key| input.get(key)?.as_str().map(str::to_owned);
-        // Earlier versions wrote names as they are shown.
-        let is_it = |file: String| file == name || file == printable(name);
-        then.iter().find(|input| text(input, "file").is_some_and(is_it)).and_then(|input| text(input, "xxh3"))
-    };
-    let is_other =
-        |(name, input): &(&str, &Input)| hash_then(name).is_some_and(|then| then != input.hash_text());
-    let note = |(name, _)| {
-        let name = printable(name);
-        format!("{name} is not the file that the recipe was made with; another tree will grow")
-    };
-    inputs.iter().filter(is_other).map(note).collect()
+    let text = |input: &serde_json::Value, key| input.get(key)?.as_str().map(str::to_owned);
+    // Earlier versions wrote names as they are shown.
+    let is_it = |file: String| file == name || file == printable(name);
+    then.iter().find(|input| text(input, "file").is_some_and(is_it)).and_then(|input| text(input, "xxh3"))
 }
 
 /// Text, or where it stops being one.

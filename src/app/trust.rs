@@ -43,6 +43,25 @@ pub fn beside(document: Option<&Path>, file: &str) -> Result<PathBuf, NotAllowed
     trust::beside(document, file, allowed()).map_err(NotAllowed)
 }
 
+/// Where a file that does not lie beside the document that names it may be looked for: under the same name in the folders that
+/// the user allows, and then in the working directory. The latter may hold what the document's sender must not see: what is
+/// found there counts where it is known to be what was meant.
+pub fn elsewhere(file: &str) -> Vec<Elsewhere> {
+    let within = |folder: &Path| trust::beside(Some(&folder.join("document")), file, &[]).ok();
+    let allowed = allowed().iter().filter_map(|folder| within(folder));
+    let allowed = allowed.map(|path| Elsewhere { path, is_allowed: true });
+    let working = trust::beside(None, file, &[]).ok().map(|path| Elsewhere { path, is_allowed: false });
+    allowed.chain(working).filter(|found| found.path.is_file()).collect()
+}
+
+/// A file under the name of one that is missing.
+pub struct Elsewhere {
+    /// Where it is.
+    pub path: PathBuf,
+    /// In a folder that the user allows.
+    pub is_allowed: bool,
+}
+
 /// A program on the search path, as [`std::process::Command`] would find it, but in absolute folders
 /// alone: what runs must not depend on where linden is run. A name with a `/` is a path already.
 pub fn program(name: &str) -> Option<PathBuf> {

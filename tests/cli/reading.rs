@@ -185,6 +185,35 @@ fn documents_name_what_lies_beside_them() {
 }
 
 #[test]
+fn files_of_a_recipe_in_another_folder_are_found_where_the_user_says_or_stands() {
+    let folder = Folder::new();
+    let picture = |alpha: u8| linden::picture::Picture::new(2, 2, vec![alpha; 16]).png().unwrap();
+    for name in ["trees", "build"] {
+        std::fs::create_dir(folder.file(name)).unwrap();
+    }
+    folder.write("trees/leaf.png", picture(90));
+    folder.write("trees/p.toml", with_leaf("leaf_picture", "leaf.png"));
+    folder.run(&["export", "trees/p.toml", "-o", "build/p.glb", "--set", "bark_size=64"]).done();
+    let said = folder.run(&["verify", "build/p.glb"]);
+    assert!(said.code == Some(1) && said.out.contains("--allow-path"), "{} {}", said.out, said.err);
+    folder.run(&["verify", "build/p.glb", "--allow-path", "trees"]).done();
+    // In the working directory, where it is the file that was meant.
+    folder.write("leaf.png", picture(91));
+    assert_eq!(folder.run(&["verify", "build/p.glb"]).code, Some(1), "another picture is not taken for it");
+    // Nor is anything said of it.
+    folder.write("leaf.png", "hunter2");
+    let said = folder.run(&["stats", "build/p.glb"]);
+    assert!(said.code == Some(1) && !said.err.contains("hunter2"), "{}", said.err);
+    assert!(said.err.contains("build/leaf.png"), "{}", said.err);
+    folder.write("leaf.png", picture(90));
+    folder.run(&["verify", "build/p.glb"]).done();
+    // In a folder that the user names, another one is taken, and that is said.
+    folder.write("leaf.png", picture(91));
+    let said = folder.run(&["stats", "build/p.glb", "--allow-path", "."]);
+    assert!(said.code == Some(0) && said.err.contains("is not the file"), "{}", said.err);
+}
+
+#[test]
 fn what_the_user_names_may_lie_anywhere_and_its_recipe_says_what_to_allow() {
     let folder = Folder::new();
     folder.write("leaf.png", linden::picture::Picture::new(2, 2, vec![90; 16]).png().unwrap());
