@@ -80,18 +80,20 @@ impl Season {
         SEASONS.map(|(name, season)| Self { name: name.to_owned(), season }).to_vec()
     }
 
-    /// Reads a list like `summer,autumn` or `spring=0.05,summer`.
+    /// Reads a list like `summer,autumn`, `spring=0.05,summer` or `all,bloom=0.15`.
     ///
     /// # Errors
     /// [`SeasonError`].
     pub fn parse_list(text: &str) -> Result<Vec<Self>, SeasonError> {
         let mut seasons: Vec<Self> = Vec::new();
         for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
-            let season = Self::parse(item)?;
-            if seasons.iter().any(|before| before.name == season.name) {
-                return Err(SeasonError::Twice(season.name));
+            let named = if item == "all" { Self::all() } else { vec![Self::parse(item)?] };
+            for season in named {
+                if seasons.iter().any(|before| before.name == season.name) {
+                    return Err(SeasonError::Twice(season.name));
+                }
+                seasons.push(season);
             }
-            seasons.push(season);
         }
         if seasons.is_empty() { Err(SeasonError::Empty) } else { Ok(seasons) }
     }
@@ -135,6 +137,9 @@ mod tests {
         );
         let all = SEASONS.map(|(name, _)| name).join(",");
         assert_eq!(Season::parse_list(&all).unwrap(), Season::all());
+        let more = Season::parse_list("all,bloom=0.15").unwrap();
+        assert_eq!(more, [Season::all(), vec![season("bloom", 0.15)]].concat());
+        assert_eq!(Season::parse_list("bare,all"), Err(SeasonError::Twice("bare".to_owned())));
         assert!(SEASONS.windows(2).all(|two| two[0].1 < two[1].1), "the order of the year");
     }
 

@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{Vec2, Vec3};
 use linden_pipeline::foliage::Organs;
 use linden_pipeline::memory::bytes_of;
+use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Part};
 use linden_pipeline::{NO_PARENT, Skeleton};
 use rayon::prelude::*;
@@ -22,6 +23,8 @@ const DRAFT_CELLS: u32 = 18;
 /// Triangles, nodes or organs that are looked at, of more each so many-th for all; and those of a draft.
 const LOOKS: usize = 1 << 18;
 const DRAFT_LOOKS: usize = 1 << 14;
+/// What is cut out and longer than so many cells is looked at in parts.
+const LARGE: f32 = 8.0;
 /// Light is not followed any deeper.
 const DEEPEST: f32 = 6.0;
 /// One cell swallows no more than this: leaves of a cell hide each other.
@@ -29,6 +32,8 @@ const DENSEST: f32 = 1.6;
 /// What area hides on average, seen from any side: of a leaf, and of wood that is closed round itself.
 const LEAF_SHARE: f32 = 0.36;
 const WOOD_SHARE: f32 = 0.25;
+/// The same of a plane that stands for a crown: all the leaves that are drawn on it.
+const PLANE_SHARE: f32 = 1.0;
 /// The area of cells is counted in this share of a cell's side.
 const UNIT: f32 = 1.0 / 65_536.0;
 /// Cells of the shadow on the ground, along the longer side.
@@ -91,10 +96,55 @@ impl Cells {
         };
         let share = share * every as f32;
         (0..mesh.triangles.len().div_ceil(every)).into_par_iter().with_min_len(4096).for_each(|i| {
-            let [a, b, c] = mesh.triangles[i * every].map(|v| mesh.positions[v as usize]);
+            let corners = mesh.triangles[i * every];
+            let [a, b, c] = corners.map(|v| mesh.positions[v as usize]);
             let area_m2 = (b - a).cross(c - a).length() / 2.0;
-            self.add((a + b + c) / 3.0, area_m2 * share);
+            let longest_m = (b - a).length().max((c - b).length()).max((a - c).length());
+            match &material.base_color_picture {
+                Some(picture) if material.cutout.is_some() && longest_m * self.per_m > LARGE => {
+                    let uvs = corners.map(|v| mesh.uvs.get(v as usize).copied().unwrap_or_default());
+                    let hidden_m2 = area_m2 * PLANE_SHARE * every as f32;
+                    self.add_cut_out([a, b, c], uvs, hidden_m2, material, picture);
+                }
+                _ => self.add((a + b + c) / 3.0, area_m2 * share),
+            }
         });
+    }
+
+    /// Adds a triangle that goes through many cells where its picture leaves something of it: a plane of a billboard.
+    fn add_cut_out(
+        &self,
+        corners: [Vec3; 3],
+        uvs: [Vec2; 3],
+        hidden_m2: f32,
+        material: &Material,
+        picture: &Picture,
+    ) {
+        let threshold = material.cutout.unwrap_or_default() * 255.0;
+        let [width, height] = [picture.width(), picture.height()];
+        let is_left = |uv: Vec2| {
+            let texel = |share: f32, size: u32| ((share * size as f32) as u32).min(size - 1) as usize;
+            let at = texel(uv.x, width) + texel(1.0 - uv.y, height) * width as usize;
+            picture.rgba().get(4 * at + 3).is_some_and(|&alpha| f32::from(alpha) >= threshold)
+        };
+        // It is cut into as many parts along each side, all alike: those that stand as it does, and those between.
+        let parts = 4 * CELLS;
+        let hidden_m2 = hidden_m2 / (parts * parts) as f32;
+        let place = |at: [f32; 3]| {
+            let sum = |of: [Vec3; 3]| (0..3).map(|i| of[i] * at[i]).sum::<Vec3>();
+            let uv = (0..3).map(|i| uvs[i] * at[i]).sum::<Vec2>();
+            (sum(corners), uv)
+        };
+        for i in 0..parts {
+            for k in 0..2 * (parts - i) - 1 {
+                let third = if k % 2 == 0 { 1.0 / 3.0 } else { 2.0 / 3.0 };
+                let along = [i as f32 + third, (k / 2) as f32 + third].map(|x| x / parts as f32);
+                let (at, uv) = place([1.0 - along[0] - along[1], along[0], along[1]]);
+                if is_left(uv) {
+                    self.add(at, hidden_m2);
+                }
+            }
+        }
     }
 
     /// Adds the wood of a skeleton.
@@ -289,6 +339,7 @@ mod tests {
     use linden_pipeline::dress::dress;
     use linden_pipeline::grow::grow;
     use linden_pipeline::recipe::Recipe;
+    use linden_pipeline::scene::Wrap;
     use linden_pipeline::{Quiet, preset};
 
     use super::*;
@@ -317,6 +368,47 @@ mod tests {
             // Four of the sky's five ways go out below the sheet.
             assert!((below[1] - (4.0 + libm::expf(-hidden)) / 5.0).abs() < 0.01, "{below:?}");
         }
+    }
+
+    #[test]
+    fn a_plane_throws_the_shadow_of_what_its_picture_shows() {
+        // Of two metres square, the upper half cut out.
+        let alpha = |i: usize| if i < 32 { 0 } else { 255 };
+        let rgba: Vec<u8> = (0..64).flat_map(|i| [90, 120, 60, alpha(i)]).collect();
+        let material = Material {
+            name: "billboard".to_owned(),
+            base_color: [0.2; 3],
+            base_color_picture: Some(Picture::new(8, 8, rgba).into()),
+            normal_picture: None,
+            roughness: 0.9,
+            double_sided: true,
+            cutout: Some(0.5),
+            wrap: Wrap::Clamp,
+            translucency: None,
+            passing_picture: None,
+        };
+        let corners = [(-1.0, 0.0), (1.0, 0.0), (1.0, 2.0), (-1.0, 2.0_f32)];
+        let mesh = linden_pipeline::mesh::Mesh {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            normals: vec![Vec3::Z; 4],
+            uvs: corners.map(|(x, y)| Vec2::new((x + 1.0) / 2.0, y / 2.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Default::default()
+        };
+        let cells = Cells::around(&BOX, false);
+        cells.add_part(&Part::new("billboard", 0, mesh), &material);
+        let side_m = 1.0 / cells.per_m;
+        let hidden_m2: f32 = {
+            let units = cells.hidden.iter().map(|units| units.load(Ordering::Relaxed)).sum::<u64>();
+            units as f32 * UNIT * side_m * side_m
+        };
+        assert!((hidden_m2 - 2.0 * PLANE_SHARE).abs() < 0.02, "{hidden_m2} m²");
+        // The sun is behind it, half as high as far away.
+        let sun = Vec3::new(0.0, 0.447, -0.894);
+        let shadow = cells.lit(sun).shadow_on(0.0);
+        let dark = |x: f32, z: f32| shadow.at(Vec2::new(x, z));
+        assert!(dark(0.3, 1.0) > 0.35 && dark(-0.7, 0.3) > 0.35, "{} {}", dark(0.3, 1.0), dark(-0.7, 0.3));
+        assert!(dark(0.3, 3.0) < 0.2, "what is cut out throws none: {}", dark(0.3, 3.0));
     }
 
     #[test]

@@ -187,7 +187,7 @@ fn documents_name_what_lies_beside_them() {
 #[test]
 fn files_of_a_recipe_in_another_folder_are_found_where_the_user_says_or_stands() {
     let folder = Folder::new();
-    let picture = |alpha: u8| linden::picture::Picture::new(2, 2, vec![alpha; 16]).png().unwrap();
+    let picture = |alpha: u8| linden::picture::Picture::new(2, 2, vec![alpha; 16]).png().unwrap().to_vec();
     for name in ["trees", "build"] {
         std::fs::create_dir(folder.file(name)).unwrap();
     }

@@ -107,6 +107,18 @@ fn a_stream_has_the_recipes_own_season_and_plants_without_seasons_are_told_of() 
         folder.run(&["export", "dressed-fir", "--seasons", "-o", "fir.usda", "--set", "evergreen=true"]);
     assert_eq!(said.code, Some(0));
     assert!(said.err.contains("nothing on this plant changes"), "{}", said.err);
+    // What none of them shows is named, with a season that does.
+    let seasons = |list: &str| {
+        let said = export(&folder, "drawn-rowan", &["--seasons", list, "-o", "rowan.organs.csv"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        (said.err.contains("blossom is there from 0.1 to 0.24"), said.err)
+    };
+    let (is_missed, said) = seasons("all");
+    assert!(is_missed && said.contains("all,bloom=0.17"), "{said}");
+    let (is_missed, said) = seasons("all,bloom=0.17");
+    assert!(!is_missed, "{said}");
+    let table = String::from_utf8(folder.read("rowan_bloom.organs.csv")).unwrap();
+    assert!(table.contains("blossom"), "{}", &table[..300]);
 }
 
 /// What is the same in several files of an export is written once.

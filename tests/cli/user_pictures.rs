@@ -216,3 +216,36 @@ fn cards_say_where_light_passes() {
     folder.run(&[&args[..6], &["-o", "plain.gltf"]].concat()).done();
     assert!(!folder.names().iter().any(|name| name.starts_with("plain") && name.contains("passing")));
 }
+
+/// The mean colour of the opaque pixels of a picture.
+fn mean(png: &[u8]) -> [f64; 3] {
+    let (_, samples, bytes) = pixels(png);
+    let opaque: Vec<&[u8]> = bytes.chunks(samples).filter(|pixel| samples == 3 || pixel[3] == 255).collect();
+    [0, 1, 2].map(|c| opaque.iter().map(|pixel| f64::from(pixel[c])).sum::<f64>() / opaque.len() as f64)
+}
+
+#[test]
+fn a_leafs_picture_turns_with_the_colours_that_are_given_for_it() {
+    let folder = Folder::new();
+    // Green, one half of it lighter.
+    let rgba: Vec<u8> =
+        (0..64).flat_map(|i| if i % 8 < 4 { [60, 110, 40, 255] } else { [80, 140, 60, 255] }).collect();
+    let leaf = linden::picture::Picture::new(8, 8, rgba).png().unwrap().to_vec();
+    folder.write("leaf.png", &leaf);
+    let leaf_in = |name: &str, season: &str, colors: &[&str]| {
+        let file = format!("{name}.obj");
+        let set = ["--set", "leaf_picture=leaf.png", "--set", season];
+        folder.run(&[&["export", "dressed-simple", "-o", &file][..], &SMALL, &set, colors].concat()).done();
+        map(&folder, &format!("{name}.mtl"), "leaves", "map_Kd")
+    };
+    let red = ["--set", "autumn_colors=#c03020"];
+    assert_eq!(leaf_in("summer", "season=0.4", &red), leaf, "it shows summer");
+    assert_eq!(leaf_in("plain", "season=0.9", &[]), leaf, "nobody said what it turns to");
+    let autumn = leaf_in("autumn", "season=0.9", &red);
+    let [r, g, b] = mean(&autumn);
+    assert!((r - 192.0).abs() < 25.0 && (g - 48.0).abs() < 20.0 && (b - 32.0).abs() < 20.0, "{r} {g} {b}");
+    let (_, samples, bytes) = pixels(&autumn);
+    assert!(bytes[4 * samples] > bytes[0], "the lighter half is lighter still");
+    let [r, g, _] = mean(&leaf_in("turning", "season=0.62", &red));
+    assert!(r > 75.0 && g > 55.0, "between: {r} {g}");
+}

@@ -69,7 +69,7 @@ pub struct Export {
     wind: Option<String>,
 
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
-    /// like spring=0.05; all named ones when none is given. USD holds them as variants, every other format
+    /// like spring=0.05; all is all named ones, as when none is given. USD holds them as variants, every other format
     /// has a file for each
     #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", add = complete::seasons())]
     seasons: Option<String>,
@@ -113,7 +113,6 @@ impl Export {
             settings.into_iter().chain(self.budget.pair()).chain(lods).chain(flags).collect();
         let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
-            Some("all") => Season::all(),
             Some(list) => Season::parse_list(list).map_err(usage)?,
         };
         if !self.further.is_empty() {

@@ -12,7 +12,7 @@ use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Calendar, Organs, sprout};
 use crate::scene::Scene;
 use crate::season::Season;
-use crate::settings::{DetailSettings, Dressing, Form};
+use crate::settings::{DetailSettings, Dressing, FoliageSettings, Form, LeafKind};
 use crate::stage::{self, Stage};
 use crate::surface::{Tubes, bends};
 use crate::wind::{Blown, Field};
@@ -137,6 +137,7 @@ pub fn year(
     {
         notes.push("seasons: nothing on this plant changes with them".to_owned());
     }
+    notes.extend(missed(&specimen.dressing.foliage, &seasons));
     let fullest = Body { organs: &looks[fullest].1, ..body };
     let plan = Plan::new(specimen.dressing, fullest, &mut notes, monitor)?;
     let mut wardrobe: Option<Wardrobe> = None;
@@ -156,6 +157,25 @@ pub fn year(
         wardrobe = Some(worn);
     }
     Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
+}
+
+/// Notes about the kinds of organs that none of some seasons shows.
+fn missed(foliage: &FoliageSettings, seasons: &[Season]) -> Vec<String> {
+    let note = |(number, kind): (usize, &LeafKind)| {
+        let calendar = Calendar::of(kind);
+        let is_seen = seasons.iter().any(|season| calendar.is_there(season.season as f32));
+        // A name stands for itself, another kind for its outline.
+        let name = kind.name.clone().unwrap_or_else(|| format!("foliage {}", number + 1));
+        let (from, to) = (kind.season_range.first()?, kind.season_range.get(1)?);
+        let middle = if to < from { (from + to + 1.0) / 2.0 % 1.0 } else { f64::midpoint(*from, *to) };
+        (!is_seen && kind.form != Form::None).then(|| {
+            format!(
+                "seasons: {name} is there from {from} to {to}, in none of these; a season more shows it, as \
+                 --seasons all,bloom={middle:.2}"
+            )
+        })
+    };
+    foliage.kinds().enumerate().filter_map(note).collect()
 }
 
 /// Side of the pictures of leaves that cards are drawn with, pixels, or a quarter of `leaf_size`: a leaf is far

@@ -67,8 +67,14 @@ pub fn cover(
         let Some(found) = specimen.picture(file) else {
             return Err(FoliageError::WrongInput { file: file.clone(), expected: A_PICTURE });
         };
+        // What an outline turns to is not known of a picture: it has the colours that were asked for.
+        let look = look(kind, specimen.dressing.foliage.season as f32, size_px);
+        let autumn_colors = if kind.autumn_colors.is_some() { look.autumn_colors } else { Vec::new() };
+        let bytes = found.picture.bytes();
+        monitor.admit("drawing a picture in its season", bytes, "take a smaller picture")?;
+        let turned = LeafLook { autumn_colors, ..look }.in_season(&found.picture);
         return Ok(Cover {
-            base_color: Arc::clone(&found.picture),
+            base_color: turned.map_or_else(|| Arc::clone(&found.picture), Arc::new),
             normal: None,
             cutout: found.has_alpha.then(|| leaf::cutout(&found.picture)),
             cells: vec![Cell::whole(found)],

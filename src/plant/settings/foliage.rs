@@ -294,7 +294,7 @@ impl LeafKind {
         ),
         file_key!(
             "leaf_picture",
-            "in place of the drawn picture: a PNG, JPEG, WebP or TGA file, relative to the preset's; its alpha cuts the leaf out",
+            "in place of the drawn picture: a PNG, JPEG, WebP or TGA file, relative to the preset's; its alpha cuts the leaf out; it shows summer, and is drawn over with young_colors and autumn_colors, where they are given",
             picture
         ),
     ];

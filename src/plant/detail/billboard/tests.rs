@@ -57,12 +57,14 @@ fn a_pixel_shows_what_the_plane_stands_for() {
         (5, 5, [0, 255, 0, 255]),
         (202, 202, [0, 255, 0, 255]),
     ] {
-        assert_eq!(at(x, y), expected, "{x} {y}");
+        // A quarter of the back is hidden: some light is lost between the two.
+        let lit = at(x, y).into_iter().zip(expected);
+        assert!(lit.clone().all(|(is, full)| is <= full && is >= full - full / 16), "{x} {y}: {lit:?}");
     }
     let cut = color.iter().filter(|pixel| pixel[3] < 128).count();
     assert_eq!(cut, 208 * 208 - 200 * 200);
     // Nothing foreign beyond the edge.
-    assert!(color.iter().all(|pixel| pixel[2] == 0 && pixel[0].max(pixel[1]) == 255));
+    assert!(color.iter().all(|pixel| pixel[2] == 0 && pixel[0].max(pixel[1]) >= 240));
     assert!(normal.iter().all(|&pixel| pixel == [128, 128, 255, 255]));
     // The rectangle is where the squares' outline is, and its coordinates are the margin's inside.
     let mesh = &seen.parts[0].mesh;
@@ -111,15 +113,18 @@ fn a_ball_is_a_disc_from_everywhere() {
     assert_eq!(seen.parts[0].mesh.triangles.len(), 6);
     let (width, height, color, normal) = pixels(&seen);
     let covered = color.iter().filter(|pixel| pixel[3] > 127).count() as f32;
-    // Three discs; a pixel is as large as two metres divided by what is between the margins.
-    let radius_px = 0.5 * (height - 8) as f32;
+    // Graphics cards compress whole blocks.
+    assert!(width.is_multiple_of(4) && height.is_multiple_of(4) && width <= 256, "{width} {height}");
+    // Three discs; a pixel is as large as two metres divided by what is between the corners.
+    let corners: Vec<Vec2> =
+        seen.parts[0].mesh.uvs.iter().map(|uv| *uv * Vec2::new(width as f32, height as f32)).collect();
+    let radius_px = (corners[2].y - corners[0].y) / 2.0;
     assert!((covered / (3.0 * PI * radius_px * radius_px) - 1.0).abs() < 0.02, "{covered}");
-    let cell = width / 3;
-    for plane in 0..3 {
+    for plane in corners.chunks(4) {
         // A quarter of the diameter right of the middle: the sphere's normal there is (½, 0, √¾).
-        let x = plane * cell + cell / 2 + (radius_px / 2.0) as u32;
-        let [r, g, b, _] =
-            normal[(height / 2 * width + x) as usize].map(|code| f32::from(code) / 127.5 - 1.0);
+        let middle = (plane[0] + plane[2]) / 2.0;
+        let (x, y) = ((middle.x + radius_px / 2.0) as u32, (height as f32 - middle.y) as u32);
+        let [r, g, b, _] = normal[(y * width + x) as usize].map(|code| f32::from(code) / 127.5 - 1.0);
         assert!((r - 0.5).abs() < 0.06 && g.abs() < 0.06 && (b - 0.866).abs() < 0.06, "{r} {g} {b}");
     }
     // The planes stand at equal angles, and each is seen from its normal's side.

@@ -11,6 +11,7 @@ use super::{PLANES, Pieces};
 use crate::detail::DetailError;
 use crate::detail::drawing::{
     self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pile, Pixels, Resolved, SAMPLES, Texture, View,
+    light_within,
 };
 use crate::detail::leaves::selected;
 use crate::dress::Wardrobe;
@@ -247,33 +248,6 @@ fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px
         .collect();
     let shades: Vec<f32> = drawn.iter().map(|model| model.shade_share).collect();
     PictureKey::of(&[format!("{size_px} {parts:?} {sights:?} {looks:?} {shades:?}").as_bytes()])
-}
-
-/// How much light is left of what falls on a piece, where it is seen, by colour: a card is flat, and what leaves within a
-/// piece take from each other is drawn on it.
-///
-/// Leaves that lie at random are `τ / (1 − exp(−τ))` layers where there are any, at an optical thickness of τ. A look
-/// reaches down to a depth t with `exp(−t)`; light, of which leaves scatter a share ω (`color`) on, with `exp(−κt)`, κ =
-/// √(1 − ω) (Goudriaan 1977, *Crop Micrometeorology*). What is seen has `∫exp(−(1 + κ)t)dt / ∫exp(−t)dt` of the light.
-fn light_within(layers: f32, color: Vec3) -> Vec3 {
-    /// Newton's rounds: each about doubles the digits, and a guess is near.
-    const ROUNDS: u32 = 6;
-    // For many layers they are the thickness, for few twice what they are more than one.
-    let mut depth = (2.0 * (layers - 1.0)).min(layers);
-    for _ in 0..ROUNDS {
-        if depth < 1e-3 {
-            return Vec3::ONE;
-        }
-        let through = libm::expf(-depth);
-        let covered = 1.0 - through;
-        let slope = (covered - depth * through) / (covered * covered);
-        depth -= (depth / covered - layers) / slope;
-    }
-    let left = color.to_array().map(|scattered| {
-        let reach = 1.0 + (1.0 - scattered.clamp(0.0, 1.0)).sqrt();
-        (1.0 - libm::expf(-reach * depth)) / (reach * (1.0 - libm::expf(-depth)))
-    });
-    Vec3::from(left)
 }
 
 /// How much of what leaves within a piece take from each other is drawn on its card. The cards of a crown shade each
@@ -536,28 +510,5 @@ mod tests {
         assert!(scale(1.5) == 1.0 && scale(0.05) > 1.3);
         assert!((leaf_scale(0.75, 1.0) - libm::sqrtf(1.06 / 0.75)).abs() < 1e-6);
         assert_eq!((leaf_scale(0.01, 1.0), leaf_scale(0.0, 0.0)), (1.35, 1.0));
-    }
-
-    #[test]
-    fn light_within_a_piece_is_what_falls_through_it_to_what_is_seen() {
-        assert_eq!(light_within(1.0, Vec3::splat(0.5)), Vec3::ONE);
-        let color = Vec3::new(0.0, 0.2, 0.9);
-        for depth in [0.05, 0.3, 1.0, 2.0, 5.0, 12.0_f64] {
-            let layers = depth / (1.0 - libm::exp(-depth));
-            let found = light_within(layers as f32, color);
-            for (found, scattered) in found.to_array().into_iter().zip(color.to_array()) {
-                // Leaves in thin slices, each hiding what lies below from looks and, less, from light.
-                let slices = 50_000;
-                let reach = (1.0 - f64::from(scattered)).sqrt();
-                let (mut seen, mut lit) = (0.0, 0.0);
-                for i in 0..slices {
-                    let t = depth * (f64::from(i) + 0.5) / f64::from(slices);
-                    seen += libm::exp(-t);
-                    lit += libm::exp(-t) * libm::exp(-reach * t);
-                }
-                let expected = lit / seen;
-                assert!((f64::from(found) - expected).abs() < 1e-3, "{depth}: {found}, not {expected}");
-            }
-        }
     }
 }

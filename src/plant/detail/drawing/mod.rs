@@ -2,6 +2,7 @@
 //! normals in the plane's own tangent space. What billboards and branch cards are made of.
 
 mod finish;
+mod light;
 mod raster;
 mod texture;
 
@@ -10,6 +11,7 @@ use glam::{Vec2, Vec3};
 use linden_base::picture::Picture;
 
 pub(super) use finish::{Finished, Pile, Plane, Resolved};
+pub(super) use light::light_within;
 pub(super) use raster::{Canvas, Drawn, View, draw};
 pub(super) use texture::Texture;
 

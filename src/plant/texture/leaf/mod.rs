@@ -20,7 +20,7 @@ mod twig;
 
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
 use self::tint::Tint;
@@ -34,6 +34,17 @@ use linden_base::random::Key;
 
 pub(crate) use mip::{cutout, keep_coverage};
 pub use outline::{Margin, Outline, Veins};
+
+/// The mean colour of what a picture shows, linear light; white where it shows nothing.
+fn mean_color(picture: &Picture) -> Vec3 {
+    let (mut sum, mut weight) = (Vec3::ZERO.as_dvec3(), 0.0);
+    for pixel in picture.rgba().chunks_exact(4) {
+        let share = f64::from(pixel[3]) / 255.0;
+        sum += share * Vec3::from(linear([pixel[0], pixel[1], pixel[2]])).as_dvec3();
+        weight += share;
+    }
+    if weight > 0.0 { (sum / weight).as_vec3() } else { Vec3::ONE }
+}
 
 /// What leaf to draw.
 ///
@@ -311,6 +322,33 @@ impl LeafLook {
             blade.to_array().map(code)
         };
         (0..self.colors.len() as u32).map(of).collect()
+    }
+
+    /// A picture of somebody's that shows such a leaf in summer, in the season of this look: drawn over with the colours that
+    /// were given for it, as far as it has turned. `None`: it is as it was.
+    pub(crate) fn in_season(&self, picture: &Picture) -> Option<Picture> {
+        if self.young_colors.is_empty() && self.autumn_colors.is_empty() {
+            return None;
+        }
+        let mean = mean_color(picture);
+        let ripeness = if self.young_colors.is_empty() { Some(1.0) } else { self.ripeness };
+        let colors = vec![mean.to_array().map(code)];
+        let look = Self { colors, ripeness, color_spread: 0.0, shade: 0.0, variants: 1, ..self.bounded() };
+        let now = Tint::new(&look, 0, Key::new(0)).blade;
+        // Where it has turned by half of its brightness, nothing of the summer's green is left.
+        let turned = (2.0 * (now - mean).abs().max_element() / mean.max_element().max(1e-3)).min(1.0);
+        if turned < 0.02 {
+            return None;
+        }
+        let bright = luminance(mean.to_array()).max(1e-3);
+        let mut rgba = picture.rgba().to_vec();
+        for pixel in rgba.chunks_exact_mut(4) {
+            let was = Vec3::from(linear([pixel[0], pixel[1], pixel[2]]));
+            // Veins and spots stay as much lighter and darker as they are.
+            let drawn_over = now * (luminance(was.to_array()) / bright);
+            pixel[..3].copy_from_slice(&was.lerp(drawn_over, turned).to_array().map(code));
+        }
+        Some(Picture::new(picture.width(), picture.height(), rgba))
     }
 
     /// With numbers that can be drawn: out of range, the nearest that is in it.
