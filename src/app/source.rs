@@ -419,7 +419,7 @@ impl<'a> Reader<'a> {
             let reading = || format!("reading {}", show(&found.path));
             let input = reading::open_regular(&found.path)
                 .map_err(anyhow::Error::from)
-                .and_then(|opened| Ok(Content::File(opened).input(file, cube, self.monitor)?));
+                .and_then(|opened| Content::File(opened).input(file, cube, self.monitor));
             // What is wrong with a file that nobody allowed is not said, for it would quote from it.
             let input = match input {
                 Ok(input) => input,
