@@ -76,9 +76,7 @@ pub fn grow_at(site: Site, settings: &GrowthSettings, monitor: &dyn Monitor) -> 
     }
     // Before anything grows there: a place that is too far for coordinates is too far for steps, too.
     let shift = settings.shift(site.root, site.origin, site.moves_to_root);
-    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
-    let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
-    notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
+    notes.extend(check_precision(farthest_m(&site, shift), f64::from(rule.step))?);
     let start = stems::start(&site, settings, &rule, monitor)?;
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let held =
@@ -96,20 +94,34 @@ pub fn grow_at(site: Site, settings: &GrowthSettings, monitor: &dyn Monitor) -> 
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(StandError::NothingGrew { points, reached: points - unreached, kill_m });
     }
+    let is_moved = settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0;
+    let moved = is_moved.then(|| moved_note(&site, rule.step));
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
-
-    if settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0 {
-        let DVec3 { x, y, z } = site.origin + site.root;
-        notes.push(format!(
-            "moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); origin=keep leaves it there"
-        ));
-    }
+    notes.extend(moved);
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
     let (barriers, foot) = (site.grove.obstacles, site.origin + site.root);
     Ok(Stand { branching, captured, points, shift, foot, barriers, unreached, iterations, stop, notes })
+}
+
+/// The largest coordinate of a root before and after all are moved.
+fn farthest_m(site: &Site, shift: DVec3) -> f64 {
+    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
+    others.chain([site.root + shift]).map(|at| at.abs().max_element()).fold(0.0, f64::max)
+}
+
+/// What is said of a tree that was moved: that it may stay, where it may.
+fn moved_note(site: &Site, step_m: f32) -> String {
+    let DVec3 { x, y, z } = site.origin + site.root;
+    let may_stay = check_precision(farthest_m(site, site.origin), f64::from(step_m)).is_ok();
+    let keep = if may_stay {
+        "origin=keep leaves it there"
+    } else {
+        "coordinates in single precision are too coarse to leave it there"
+    };
+    format!("moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); {keep}")
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and
@@ -140,5 +152,33 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &GrowthSetti
             Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
         }
         Stop::MaxNodes => Some(format!("{left}: growth stopped at max_nodes={}", settings.max_nodes)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::site::{Grove, Suggested};
+
+    #[test]
+    fn staying_is_offered_where_coordinates_allow_it() {
+        let at = |origin| Site {
+            points: Vec::new(),
+            held_bytes: 0,
+            root: DVec3::ZERO,
+            grove: Grove::default(),
+            origin,
+            suggested: Suggested::for_volume(1.0),
+            moves_to_root: true,
+            notes: Vec::new(),
+        };
+        // 2^20 steps of 5 cm are 52.4 km.
+        for (x, may_stay) in [(1000.0, true), (52_000.0, true), (53_000.0, false), (446_000.0, false)] {
+            let site = at(DVec3::new(x, 300.0, -x));
+            let note = moved_note(&site, 0.05);
+            assert_eq!(note.contains("origin=keep"), may_stay, "{note}");
+            let shift = site.origin;
+            assert_eq!(check_precision(farthest_m(&site, shift), f64::from(0.05_f32)).is_ok(), may_stay);
+        }
     }
 }

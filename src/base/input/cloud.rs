@@ -16,6 +16,9 @@ pub struct Cloud {
     pub leaves: Option<LeafColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
+    /// The names of the columns that were taken for x, y and z, where a table has a header that names none of these;
+    /// printable.
+    pub unnamed: Option<[String; 3]>,
     /// Of what these are a part, where they were thinned.
     pub thinned: Option<Thinned>,
     /// What they became by thinning last, by the sides of the cubes.

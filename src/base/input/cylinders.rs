@@ -1,5 +1,5 @@
 //! Reads tables of cylinders, which forestry calls quantitative structure models (QSM), in the dialects of the programs that
-//! write them. The header tells which; numbers are metres.
+//! write them. The header tells which; numbers are metres, unless no tree is so high or so thick in metres.
 //!
 //! | dialect | told by | says |
 //! |---|---|---|
@@ -11,13 +11,17 @@
 //! | `TreeQSM`, MATLAB | the structure `QSM.cylinder` in a MAT file | as its text; several models of one file are several trees |
 //! | raycloudtools | `x,y,z,radius,parent_id` | a line a tree; each segment runs from its parent's tip to its own |
 //!
-//! Columns go by their names, in any order and case; further ones are passed over.
+//! Columns go by their names, in any order and case; further ones are passed over. Between semicolons, tabs or blanks `1,5` is
+//! one and a half.
 
 use std::collections::BTreeMap;
 
 use glam::DVec3;
 
+use super::cylinder_header::{Header, Lack, fields};
+use super::unit::{CENTIMETRES, HIGHEST_TREE_M, likely_scale};
 use super::{InputError, ROWS_PER_CHECK, Up, in_range, lines, make_room, mat, quoted, text_of};
+use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 
 /// The program whose habits a table of cylinders follows.
@@ -38,6 +42,18 @@ pub enum CylinderDialect {
 }
 
 impl CylinderDialect {
+    /// The program's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linden => "linden",
+            Self::SimpleForest => "SimpleForest",
+            Self::Rtwig => "rTwig",
+            Self::Archi => "aRchi",
+            Self::TreeQsm => "TreeQSM",
+            Self::Raycloudtools => "raycloudtools",
+        }
+    }
+
     /// Which way is up in it.
     pub const fn up(self) -> Up {
         if matches!(self, Self::Linden) { Up::Y } else { Up::Z }
@@ -49,6 +65,8 @@ impl CylinderDialect {
 pub struct CylinderTable {
     /// Whose it is.
     pub dialect: CylinderDialect,
+    /// Metres for a unit of the file: 1, or less where no tree is so large in metres.
+    pub scale: f64,
     /// The cylinders of each tree; parents before children.
     pub trees: Vec<Vec<CylinderRow>>,
 }
@@ -85,31 +103,40 @@ pub struct CylinderRow {
 
 const FORMAT: &str = "cylinders";
 
-/// Thicker and longer ones are in another unit.
+/// Thicker and longer ones are none.
 const MOST_RADIUS_M: f64 = 100.0;
 const MOST_LENGTH_M: f64 = 1000.0;
+
+/// No tree is thicker, from its middle to the bark, metres: the Árbol del Tule has 7 m.
+const THICKEST_M: f64 = 10.0;
+
+/// The greatest radius of a tree is between these parts of its height.
+const SLIMMEST: f64 = 0.001;
+const STOUTEST: f64 = 0.25;
 
 /// A cylinder that ends this near to where the one above begins ends there: what is left is rounding, metres.
 const ROUNDING_M: f64 = 0.002;
 
-/// Whether a line is the header of a table of cylinders, and whether that has radii at both ends.
+/// Whether a line is the header of a table of cylinders, and whether that has radii at both ends. What it lacks is for the
+/// reader to say.
 pub(super) fn header_tells(line: &str) -> Option<bool> {
     let header = Header::of(line)?;
-    Some(header.lower_radius.is_some() && header.upper_radius.is_some())
+    Some(header.is_ok_and(|header| header.lower_radius.is_some() && header.upper_radius.is_some()))
 }
 
 /// Reads a table of cylinders.
 ///
 /// # Errors
-/// [`InputError`] with line and column: no header, cut rows, what is no number or no metre, a cylinder twice, a parent that is not
-/// there, parents in a circle; no memory; cancelled.
+/// [`InputError`] with line and column: no header, or one without a column that it cannot be without; cut rows, what is no number
+/// or no metre, a cylinder twice, a parent that is not there, parents in a circle; no memory; cancelled.
 pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable, InputError> {
     if bytes.starts_with(mat::OPENING) || bytes.starts_with(mat::OPENING_HDF5) {
         return mat::read(bytes, monitor);
     }
     let mut header: Option<Header> = None;
     let mut found: Vec<Found> = Vec::new();
-    let mut trees: Vec<Vec<CylinderRow>> = Vec::new();
+    let mut groups: Vec<Vec<Found>> = Vec::new();
+    let mut held = 0;
     for (line, row) in lines(text_of(bytes)?) {
         if line % ROWS_PER_CHECK == 0 {
             monitor.check()?;
@@ -121,11 +148,14 @@ pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTab
         let Some(header) = &header else {
             let read = Header::of(row)
                 .ok_or_else(|| wrong(line, "a header that names the columns of cylinders".to_owned(), row))?;
-            header = Some(read);
+            let lacks = |Lack { expected, found }| InputError::Line { format: FORMAT, line, expected, found };
+            header = Some(read.map_err(lacks)?);
             continue;
         };
         if header.dialect == CylinderDialect::Raycloudtools {
-            trees.extend(header.line_of_tree(line, row, monitor)?);
+            let segments = header.line_of_tree(line, row, held, monitor)?;
+            held += bytes_of::<Found>(segments.capacity());
+            groups.extend(Some(segments).filter(|segments| !segments.is_empty()));
         } else {
             make_room(&found, found.capacity(), 0, monitor)?;
             found.push(header.row(line, row, found.len() as i64 + 1)?);
@@ -135,7 +165,6 @@ pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTab
     let Some(header) = header else { return Err(whole("it has no header")) };
     // In the order in which trees come up.
     let mut of_tree: BTreeMap<Option<i64>, usize> = BTreeMap::new();
-    let mut groups: Vec<Vec<Found>> = Vec::new();
     for row in found {
         let group = *of_tree.entry(row.tree).or_insert_with(|| {
             groups.push(Vec::new());
@@ -143,14 +172,28 @@ pub fn read_cylinders(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTab
         });
         groups[group].push(row);
     }
-    for group in groups {
-        monitor.check()?;
-        trees.push(joined(&group)?);
-    }
-    if trees.is_empty() {
+    if groups.is_empty() {
         return Err(whole("it has a header, but no cylinders; it may be cut off"));
     }
-    Ok(CylinderTable { dialect: header.dialect, trees })
+    let check = |found: &Found, scale| {
+        let error = |TooLarge { part, expected, found: size }: TooLarge| {
+            let column = match part {
+                Part::Radius => Some(header.radius),
+                Part::LowerRadius => header.lower_radius,
+                Part::UpperRadius => header.upper_radius,
+                Part::Length => header.length.filter(|_| found.row.along.is_some()),
+                Part::Axis => None,
+            };
+            let column = column.map(|column| format!(" in column '{}'", header.titles[column]));
+            // All segments of a tree stand in one line.
+            let is_segment = header.dialect == CylinderDialect::Raycloudtools;
+            let segment = is_segment.then(|| format!(" for segment {}", found.id));
+            let place = [column, segment].into_iter().flatten().collect::<Vec<_>>().concat();
+            wrong(found.line, expected + &place, &size)
+        };
+        found.row.check(scale).map_err(error)
+    };
+    CylinderTable::of(header.dialect, &groups, check, monitor)
 }
 
 fn wrong(line: usize, expected: String, found: &str) -> InputError {
@@ -167,137 +210,153 @@ pub(super) struct Found {
     pub row: CylinderRow,
 }
 
-/// What is expected of a cylinder that is none, for its size.
-pub(super) fn check(row: &CylinderRow) -> Result<(), String> {
-    if !(0.0..=MOST_RADIUS_M).contains(&row.radius_m) {
-        return Err(format!("metres from 0 to {MOST_RADIUS_M} as radius, found {}", row.radius_m));
-    }
-    match row.along {
-        Some((_, length_m)) if !(0.0..=MOST_LENGTH_M).contains(&length_m) => {
-            Err(format!("metres from 0 to {MOST_LENGTH_M} as length, found {length_m}"))
+/// What is of no size that a cylinder can have.
+pub(super) struct TooLarge {
+    pub part: Part,
+    pub expected: String,
+    /// In the file's unit.
+    pub found: String,
+}
+
+/// A part of a cylinder.
+#[derive(Clone, Copy)]
+pub(super) enum Part {
+    Radius,
+    LowerRadius,
+    UpperRadius,
+    Length,
+    Axis,
+}
+
+impl Part {
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Radius => "radius",
+            Self::LowerRadius => "radius of the lower end",
+            Self::UpperRadius => "radius of the upper end",
+            Self::Length => "length",
+            Self::Axis => "axis",
         }
-        Some((unit, length_m)) if unit == DVec3::ZERO && length_m > 0.0 => {
-            Err("a direction other than 0, 0, 0 as axis".to_owned())
-        }
-        _ => Ok(()),
     }
 }
 
-/// Which column is what.
-struct Header {
-    dialect: CylinderDialect,
-    delimiter: Option<char>,
-    /// Columns of a row.
-    count: usize,
-    names: Vec<String>,
-    start: [usize; 3],
-    end: Option<[usize; 3]>,
-    axis: Option<[usize; 3]>,
-    length: Option<usize>,
-    radius: usize,
-    id: Option<usize>,
-    parent: Option<usize>,
-    branch: Option<usize>,
-    tree: Option<usize>,
-    birth: Option<usize>,
-    nodes: Option<[usize; 2]>,
-    lower_radius: Option<usize>,
-    upper_radius: Option<usize>,
+impl CylinderRow {
+    /// Checks the sizes of a cylinder in the file's unit, of which one is `scale` metres.
+    pub(super) fn check(&self, scale: f64) -> Result<(), TooLarge> {
+        let ends =
+            self.end_radii_m.map(|[lower, upper]| [(Part::LowerRadius, lower), (Part::UpperRadius, upper)]);
+        for (part, radius) in ends.into_iter().flatten().chain([(Part::Radius, self.radius_m)]) {
+            if !(0.0..=MOST_RADIUS_M).contains(&(radius * scale)) {
+                let expected = format!("metres from 0 to {MOST_RADIUS_M}");
+                return Err(TooLarge { part, expected, found: radius.to_string() });
+            }
+        }
+        let (expected, length) = match self.along {
+            Some((unit, length)) if unit == DVec3::ZERO && length > 0.0 => {
+                let (expected, found) = ("a direction other than 0, 0, 0".to_owned(), "0, 0, 0".to_owned());
+                return Err(TooLarge { part: Part::Axis, expected, found });
+            }
+            Some((_, length)) => (format!("metres from 0 to {MOST_LENGTH_M}"), length),
+            None => (format!("a cylinder of at most {MOST_LENGTH_M} metres"), self.start.distance(self.end)),
+        };
+        if !(0.0..=MOST_LENGTH_M).contains(&(length * scale)) {
+            return Err(TooLarge { part: Part::Length, expected, found: length.to_string() });
+        }
+        Ok(())
+    }
+
+    fn scaled(self, scale: f64) -> Self {
+        Self {
+            start: self.start * scale,
+            end: self.end * scale,
+            along: self.along.map(|(unit, length)| (unit, length * scale)),
+            radius_m: self.radius_m * scale,
+            end_radii_m: self.end_radii_m.map(|radii| radii.map(|radius| radius * scale)),
+            ..self
+        }
+    }
+}
+
+impl CylinderTable {
+    /// The trees of rows in the file's unit; `check` says what is wrong with one in a unit of so many metres.
+    pub(super) fn of(
+        dialect: CylinderDialect,
+        groups: &[Vec<Found>],
+        check: impl Fn(&Found, f64) -> Result<(), InputError>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, InputError> {
+        let mut trees = Vec::with_capacity(groups.len());
+        for group in groups {
+            monitor.check()?;
+            trees.push(joined(group)?);
+        }
+        let scale = scale_of(&trees, dialect.up());
+        groups.iter().flatten().try_for_each(|found| check(found, scale))?;
+        for tree in &mut trees {
+            if scale != 1.0 {
+                for row in &mut *tree {
+                    *row = row.scaled(scale);
+                }
+            }
+            meet(tree);
+        }
+        Ok(Self { dialect, scale, trees })
+    }
+}
+
+/// Metres for a unit of trees: 1, or what centimetres or millimetres are where no tree is so high or so thick in metres, and
+/// these are trees then.
+fn scale_of(trees: &[Vec<CylinderRow>], up: Up) -> f64 {
+    let rows = || trees.iter().flatten();
+    let height = trees.iter().map(|tree| height_of(tree, up)).fold(0.0, f64::max);
+    let radius = rows().map(|row| row.radius_m).fold(0.0, f64::max);
+    let longest = rows().map(|row| row.start.distance(row.end)).fold(0.0, f64::max);
+    if height <= HIGHEST_TREE_M && radius <= THICKEST_M {
+        return 1.0;
+    }
+    let scale = likely_scale(height).min(CENTIMETRES);
+    let is_tree = height.max(longest) * scale <= HIGHEST_TREE_M
+        && radius * scale <= THICKEST_M
+        && (SLIMMEST..=STOUTEST).contains(&(radius / height));
+    if is_tree { scale } else { 1.0 }
+}
+
+/// The height of the highest of what stands on roots of its own, parents before children: a plot may lie on a slope.
+fn height_of(rows: &[CylinderRow], up: Up) -> f64 {
+    let mut spans: Vec<[f64; 2]> = Vec::new();
+    let mut span_of: Vec<usize> = Vec::with_capacity(rows.len());
+    for row in rows {
+        let at = row.parent.map_or_else(
+            || {
+                spans.push([f64::INFINITY, f64::NEG_INFINITY]);
+                spans.len() - 1
+            },
+            |parent| span_of[parent as usize],
+        );
+        span_of.push(at);
+        for place in [row.start, row.end] {
+            let height = if up == Up::Y { place.y } else { place.z };
+            spans[at] = [spans[at][0].min(height), spans[at][1].max(height)];
+        }
+    }
+    spans.iter().map(|[low, high]| high - low).fold(0.0, f64::max)
 }
 
 impl Header {
-    fn of(line: &str) -> Option<Self> {
-        let delimiter = ['\t', ';', ','].into_iter().find(|&sign| line.contains(sign));
-        let mut names = Vec::new();
-        for name in fields(line, delimiter) {
-            let name = name.split('(').next().unwrap_or_default().trim().to_ascii_lowercase();
-            match name.as_str() {
-                // One name for three numbers.
-                "start_point" => names.extend(["startx", "starty", "startz"].map(str::to_owned)),
-                "axis_direction" => names.extend(["axisx", "axisy", "axisz"].map(str::to_owned)),
-                _ => names.push(name),
-            }
-        }
-        let is_treeqsm = names.len() > fields(line, delimiter).count();
-        let find =
-            |known: &[&str]| known.iter().find_map(|known| names.iter().position(|name| name == known));
-        let three = |prefix: &str| {
-            let place = |axis: &str| {
-                find(&[
-                    &format!("{prefix}{axis}"),
-                    &format!("{prefix}_{axis}"),
-                    &format!("{prefix}_{axis}_m"),
-                ])
-            };
-            Some([place("x")?, place("y")?, place("z")?])
-        };
-        let parent = find(&["parentid", "parent_id", "parent"]);
-        let radius = find(&["radius_m", "radius", "radius_cyl"])?;
-        let (end, axis, length) = (three("end"), three("axis"), find(&["length_m", "length"]));
-        let pair = |[a, b]: [&str; 2]| Some([find(&[a])?, find(&[b])?]);
-        let id = find(&["id", "cyl_id"]);
-        let (dialect, start) = match three("start") {
-            Some(start) => {
-                parent?;
-                if end.is_none() && (axis.is_none() || length.is_none()) {
-                    return None;
-                }
-                let dialect = if find(&["start_x_m"]).is_some() {
-                    CylinderDialect::Linden
-                } else if is_treeqsm {
-                    CylinderDialect::TreeQsm
-                } else if find(&["cyl_id"]).is_some() {
-                    CylinderDialect::Archi
-                } else if find(&["parentid"]).is_some() {
-                    CylinderDialect::SimpleForest
-                } else {
-                    CylinderDialect::Rtwig
-                };
-                (dialect, start)
-            }
-            None => {
-                let x = find(&["x"])?;
-                let opens = names.get(x..x + 4)? == ["x", "y", "z", "radius"];
-                if !opens || delimiter != Some(',') || parent? < x {
-                    return None;
-                }
-                (CylinderDialect::Raycloudtools, [x, x + 1, x + 2])
-            }
-        };
-        Some(Self {
-            dialect,
-            delimiter,
-            count: names.len(),
-            start,
-            end,
-            axis,
-            length,
-            radius,
-            id,
-            parent,
-            branch: find(&["branchid", "axis_id", "branch_id", "branch"]),
-            tree: find(&["treeid", "tree_id", "tree"]),
-            birth: find(&["birth"]),
-            nodes: pair(["parent_node", "node"]),
-            lower_radius: find(&["start_radius_m"]),
-            upper_radius: find(&["end_radius_m"]),
-            names,
-        })
-    }
-
     fn row(&self, line: usize, text: &str, number: i64) -> Result<Found, InputError> {
         let fields: Vec<&str> = fields(text, self.delimiter).collect();
-        if fields.len() < self.count {
-            let expected = format!("{} columns as in the header", self.count);
+        let count = self.titles.len();
+        if fields.len() < count {
+            let expected = format!("{count} columns as in the header");
             return Err(wrong(line, expected, &format!("{}", fields.len())));
         }
-        let cells = Cells { fields: &fields, names: &self.names, line };
+        let cells = self.cells(&fields, 0, line);
         let start = cells.place(self.start)?;
         let mut along = None;
         let end = match (self.end, self.axis, self.length) {
             (Some(end), _, _) => cells.place(end)?,
             (None, Some(axis), Some(length)) => {
-                let length_m = cells.within(length, MOST_LENGTH_M)?;
+                let length_m = cells.number(length)?;
                 let axis_given = cells.place(axis)?;
                 let unit = axis_given.try_normalize();
                 if unit.is_none() && length_m > 0.0 {
@@ -309,13 +368,8 @@ impl Header {
             }
             _ => start,
         };
-        if start.distance(end) > MOST_LENGTH_M {
-            return Err(wrong(line, format!("a cylinder of at most {MOST_LENGTH_M} metres"), text));
-        }
         let end_radii_m = match (self.lower_radius, self.upper_radius) {
-            (Some(lower), Some(upper)) => {
-                Some([cells.within(lower, MOST_RADIUS_M)?, cells.within(upper, MOST_RADIUS_M)?])
-            }
+            (Some(lower), Some(upper)) => Some([cells.number(lower)?, cells.number(upper)?]),
             _ => None,
         };
         let small = |column: usize| -> Result<u32, InputError> {
@@ -336,7 +390,7 @@ impl Header {
             start,
             end,
             along,
-            radius_m: cells.within(self.radius, MOST_RADIUS_M)?,
+            radius_m: cells.number(self.radius)?,
             end_radii_m,
             branch: of(self.branch)?,
             birth: self.birth.map(small).transpose()?,
@@ -345,16 +399,17 @@ impl Header {
         Ok(Found { line, id, parent: of(self.parent)?, tree: of(self.tree)?, row })
     }
 
-    /// The tree of a line of raycloudtools; `None` for one that is a root alone.
+    /// The segments of a line of raycloudtools: none of a tree that is a root alone. So many bytes are held beside.
     fn line_of_tree(
         &self,
         line: usize,
         text: &str,
+        held: u64,
         monitor: &dyn Monitor,
-    ) -> Result<Option<Vec<CylinderRow>>, InputError> {
-        let fields: Vec<&str> = fields(text.trim_end_matches([',', ' ']), self.delimiter).collect();
+    ) -> Result<Vec<Found>, InputError> {
+        let fields: Vec<&str> = fields(text.trim_end_matches([',', ';', ' ']), self.delimiter).collect();
         let attributes = self.start[0];
-        let width = self.count - attributes;
+        let width = self.titles.len() - attributes;
         let count = fields.len().saturating_sub(attributes);
         if count == 0 || !count.is_multiple_of(width) {
             let expected = format!("{attributes} columns of the tree, then {width} for each segment");
@@ -363,11 +418,11 @@ impl Header {
         let mut tips: Vec<DVec3> = Vec::new();
         let mut found: Vec<Found> = Vec::new();
         for (number, segment) in (0_i64..).zip(fields[attributes..].chunks(width)) {
-            make_room(&found, found.capacity(), 0, monitor)?;
-            let cells = Cells { fields: segment, names: &self.names[attributes..], line };
+            make_room(&found, found.capacity(), held, monitor)?;
+            let cells = self.cells(segment, attributes, line);
             let local = |column: usize| column - attributes;
             let tip = cells.place(self.start.map(local))?;
-            let radius_m = cells.within(local(self.radius), MOST_RADIUS_M)?;
+            let radius_m = cells.number(local(self.radius))?;
             let parent = match self.parent {
                 Some(parent) => cells.whole(local(parent))?.unwrap_or(-1),
                 None => number - 1,
@@ -403,19 +458,23 @@ impl Header {
                 return Err(wrong(line, expected, &segment.parent.unwrap_or(-1).to_string()));
             };
             segment.row.start = tip;
-            if tip.distance(segment.row.end) > MOST_LENGTH_M {
-                let expected = format!("a segment {} of at most {MOST_LENGTH_M} metres", segment.id);
-                return Err(wrong(line, expected, "more"));
-            }
         }
-        if found.is_empty() { Ok(None) } else { joined(&found).map(Some) }
+        Ok(found)
+    }
+
+    /// Fields of a row from column `first` on.
+    fn cells<'a>(&'a self, fields: &'a [&'a str], first: usize, line: usize) -> Cells<'a> {
+        let decimal_comma = self.delimiter != Some(',');
+        Cells { fields, titles: &self.titles[first..], decimal_comma, line }
     }
 }
 
 /// The fields of a row, or of a part of it.
 struct Cells<'a> {
     fields: &'a [&'a str],
-    names: &'a [String],
+    titles: &'a [String],
+    /// `1,5` is one and a half.
+    decimal_comma: bool,
     line: usize,
 }
 
@@ -425,21 +484,15 @@ impl Cells<'_> {
     }
 
     fn wrong(&self, column: usize, expected: &str) -> InputError {
-        let name = self.names.get(column).map_or("", String::as_str);
-        wrong(self.line, format!("{expected} in column '{name}'"), self.text(column))
+        let title = self.titles.get(column).map_or("", String::as_str);
+        wrong(self.line, format!("{expected} in column '{title}'"), self.text(column))
     }
 
     fn number(&self, column: usize) -> Result<f64, InputError> {
-        let number = self.text(column).parse::<f64>().map_err(|_| "a number").and_then(in_range);
+        let text = self.text(column);
+        let number = if self.decimal_comma { text.replacen(',', ".", 1).parse() } else { text.parse() };
+        let number = number.map_err(|_| "a number").and_then(in_range);
         number.map_err(|expected| self.wrong(column, expected))
-    }
-
-    fn within(&self, column: usize, most: f64) -> Result<f64, InputError> {
-        let number = self.number(column)?;
-        if (0.0..=most).contains(&number) {
-            return Ok(number);
-        }
-        Err(self.wrong(column, &format!("metres from 0 to {most}")))
     }
 
     fn place(&self, columns: [usize; 3]) -> Result<DVec3, InputError> {
@@ -459,20 +512,13 @@ impl Cells<'_> {
     }
 }
 
-fn fields(row: &str, delimiter: Option<char>) -> impl Iterator<Item = &str> {
-    let parts = row.split(move |c: char| delimiter.map_or(c.is_whitespace(), |sign| c == sign));
-    parts
-        .map(|part| part.trim().trim_matches('"').trim())
-        .filter(move |part| delimiter.is_some() || !part.is_empty())
-}
-
 /// No place in a list yet.
 const UNSEEN: u32 = u32::MAX;
 /// The same, on the way down to what it stands on.
 const WAITING: u32 = u32::MAX - 1;
 
 /// The rows of one tree with parents by their places, before their children.
-pub(super) fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
+fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
     let mut by_id: BTreeMap<i64, usize> = BTreeMap::new();
     for (index, row) in found.iter().enumerate() {
         if let Some(first) = by_id.insert(row.id, index) {
@@ -512,7 +558,11 @@ pub(super) fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
             rows.push(CylinderRow { parent: parents[here].map(|parent| places[parent]), ..found[here].row });
         }
     }
-    // An upper end that was computed is where the next cylinder begins.
+    Ok(rows)
+}
+
+/// Takes an upper end that was computed to where the next cylinder begins; metres.
+fn meet(rows: &mut [CylinderRow]) {
     for index in 0..rows.len() {
         let CylinderRow { parent: Some(parent), start, .. } = rows[index] else { continue };
         let below = &mut rows[parent as usize];
@@ -521,7 +571,6 @@ pub(super) fn joined(found: &[Found]) -> Result<Vec<CylinderRow>, InputError> {
             below.along = None;
         }
     }
-    Ok(rows)
 }
 
 #[cfg(test)]
@@ -578,6 +627,73 @@ mod tests {
             let error = read(&format!("{head}{row}")).unwrap_err().to_string();
             assert!(error.contains("line 2:") && error.contains(part), "{row}: {error}");
         }
+    }
+
+    #[test]
+    fn errors_name_columns_as_the_file_does() {
+        let head = "ID;parentID;startX;startY;startZ;endX;endY;endZ;Radius [m]\n";
+        for (row, part) in [
+            ("0;-1;0;0;0;0;0;a;0,1\n", "a number in column 'endZ', found 'a'"),
+            ("0;-1;0;0;0;0;0;1;-0,1\n", "metres from 0 to 100 in column 'Radius [m]', found '-0.1'"),
+            ("0;-1;0;0;0;0;0;1;0,1,2\n", "a number in column 'Radius [m]', found '0,1,2'"),
+        ] {
+            let error = read(&format!("{head}{row}")).unwrap_err().to_string();
+            assert!(error.contains(&format!("line 2: expected {part}")), "{error}");
+        }
+        let error = read("a,x,y,z,radius,parent_id\n0,0,0,0,.1,-1,0,0,5000,.1,0\n").unwrap_err().to_string();
+        assert!(error.contains("at most 1000 metres for segment 1, found '5000'"), "{error}");
+        let error = read("ID,parentID,startX,startY,startZ,endX,endY,endZ,r\n").unwrap_err().to_string();
+        assert!(
+            error.contains("line 1: expected a column named radius_m") && error.ends_with("found 'r'"),
+            "{error}"
+        );
+    }
+
+    #[test]
+    fn commas_are_decimal_where_others_part_the_columns() {
+        let with_points = "id,parent,start_x,start_y,start_z,end_x,end_y,end_z,radius\n\
+                           1,0,0.5,0,0,0.25,0,1.5,0.1\n2,1,0.25,0,1.5,0,0,2,0.05\n";
+        let table = read(with_points).unwrap();
+        for sign in [";", "\t"] {
+            let text = with_points.replace(',', sign).replace('.', ",");
+            assert_eq!(read(&text).as_ref(), Ok(&table), "{text}");
+        }
+        let ray = "height,x,y,z,radius,parent_id\n1.5,0,0,0,.1,-1,0,0,1.5,.1,0\n";
+        let text = ray.replace(',', ";").replace('.', ",");
+        assert_eq!(read(&text), read(ray));
+    }
+
+    #[test]
+    fn trees_that_are_too_large_are_in_another_unit() {
+        // A tree of 20 m, on a slope with a sapling 200 m below.
+        let table = |unit: f64, radius_unit: f64| {
+            let [half, thick, thin, below] = [10.0, 0.25, 0.1, -200.0].map(|x| x * unit);
+            let [thick, thin] = [thick, thin].map(|radius| radius / unit * radius_unit);
+            read(&format!(
+                "id,parent,start_x,start_y,start_z,axis_x,axis_y,axis_z,length,radius\n\
+                 1,0,0,0,0,0,0,1,{half},{thick}\n2,1,0,0,{half},0,0,1,{half},{thin}\n\
+                 3,0,0,0,{below},0,0,1,{thick},{thin}\n"
+            ))
+        };
+        let metres = table(1.0, 1.0).unwrap();
+        assert_eq!((metres.scale, metres.trees[0][1].radius_m), (1.0, 0.1));
+        for (unit, scale) in [(100.0, 0.01), (1000.0, 0.001)] {
+            let found = table(unit, unit).unwrap();
+            assert_eq!(found.scale, scale);
+            for (a, b) in found.trees[0].iter().zip(&metres.trees[0]) {
+                assert!((a.start - b.start).length() < 1e-9 && (a.end - b.end).length() < 1e-9, "{unit}");
+                assert!((a.radius_m - b.radius_m).abs() < 1e-12, "{unit}");
+            }
+        }
+        // A unit in which both are those of a tree there is not: sizes are checked as metres.
+        assert_eq!(table(100.0, 1.0).unwrap().scale, 1.0);
+        assert_eq!(table(1.0, 100.0).unwrap().scale, 1.0);
+        assert!(
+            table(1000.0, 1.0).unwrap_err().to_string().contains("metres from 0 to 1000 in column 'length'")
+        );
+        assert!(
+            table(1.0, 1000.0).unwrap_err().to_string().contains("metres from 0 to 100 in column 'radius'")
+        );
     }
 
     #[test]

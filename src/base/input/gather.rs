@@ -156,7 +156,7 @@ impl Cloud {
             };
             kept.push(point, value)?;
         }
-        Ok(Self { cell: self.cell, ..kept.finish() })
+        Ok(Self { cell: self.cell, unnamed: self.unnamed.clone(), ..kept.finish() })
     }
 }
 

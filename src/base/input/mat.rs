@@ -10,7 +10,7 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
 
-use super::cylinders::{CylinderDialect, CylinderRow, CylinderTable, Found, check, joined};
+use super::cylinders::{CylinderDialect, CylinderRow, CylinderTable, Found, TooLarge};
 use super::{InputError, READING, READING_ADVICE, in_range};
 use crate::memory::bytes_grown;
 use crate::monitor::Monitor;
@@ -274,7 +274,7 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
         _ => return Err(whole("its header does not tell the order of its bytes")),
     };
     let mut rest = Bytes { rest: bytes.get(HEADER..).ok_or_else(cut)?, is_big };
-    let mut of_variables: Vec<(String, Vec<Vec<CylinderRow>>)> = Vec::new();
+    let mut of_variables: Vec<(String, Vec<Vec<Found>>)> = Vec::new();
     // Variables of version 2.0, which is read when nothing else is found: they stand side by side.
     let mut flat: Vec<(String, Vec<u8>)> = Vec::new();
     while !rest.rest.is_empty() {
@@ -307,8 +307,8 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
     let place = |name: &str| BEST.iter().position(|best| *best == name).unwrap_or(BEST.len());
     of_variables.retain(|(_, trees)| !trees.is_empty());
     let best = of_variables.iter().map(|(name, _)| place(name)).min();
-    let is_best = |(name, _): &(String, Vec<Vec<CylinderRow>>)| Some(place(name)) == best;
-    let mut trees: Vec<Vec<CylinderRow>> =
+    let is_best = |(name, _): &(String, Vec<Vec<Found>>)| Some(place(name)) == best;
+    let mut trees: Vec<Vec<Found>> =
         of_variables.into_iter().filter(is_best).flat_map(|(_, trees)| trees).collect();
     if trees.is_empty() {
         let mut fields = BTreeMap::new();
@@ -323,15 +323,24 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
              length, start, axis, parent)",
         ));
     }
-    Ok(CylinderTable { dialect: CylinderDialect::TreeQsm, trees })
+    let check = |found: &Found, scale| {
+        let error = |TooLarge { part, expected, found: size }: TooLarge| {
+            let (row, name) = (found.line, part.name());
+            whole(format!("cylinder {row}: expected {expected} as {name}, found {size}"))
+        };
+        found.row.check(scale).map_err(error)
+    };
+    let said = |error| match error {
+        InputError::Line { line, expected, found, .. } => {
+            whole(format!("cylinder {line}: expected {expected}, found {found}"))
+        }
+        other => other,
+    };
+    CylinderTable::of(CylinderDialect::TreeQsm, &trees, check, monitor).map_err(said)
 }
 
 /// All models in an array, however deep.
-fn models(
-    array: &Array<'_>,
-    trees: &mut Vec<Vec<CylinderRow>>,
-    monitor: &dyn Monitor,
-) -> Result<(), InputError> {
+fn models(array: &Array<'_>, trees: &mut Vec<Vec<Found>>, monitor: &dyn Monitor) -> Result<(), InputError> {
     match array {
         Array::Structures(all) => {
             for fields in all {
@@ -359,7 +368,7 @@ fn models(
 fn model(
     fields: &BTreeMap<String, Array<'_>>,
     monitor: &dyn Monitor,
-) -> Result<Option<Vec<CylinderRow>>, InputError> {
+) -> Result<Option<Vec<Found>>, InputError> {
     let find = |names: &[&str; 2]| {
         let found = fields.iter().find(|(name, _)| names.contains(&name.as_str()));
         found.and_then(|(name, array)| match array {
@@ -423,15 +432,8 @@ fn model(
             birth: None,
             nodes: None,
         };
-        check(&along).map_err(|expected| whole(format!("cylinder {}: expected {expected}", row + 1)))?;
         let parent = Some(id("parent", parent)?);
         rows.push(Found { line: row + 1, id: row as i64 + 1, parent, tree: None, row: along });
     }
-    let said = |error| match error {
-        InputError::Line { line, expected, found, .. } => {
-            whole(format!("cylinder {line}: expected {expected}, found {found}"))
-        }
-        other => other,
-    };
-    joined(&rows).map(Some).map_err(said)
+    Ok(Some(rows))
 }

@@ -10,6 +10,7 @@
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
 
 mod cloud;
+mod cylinder_header;
 mod cylinders;
 mod e57;
 mod gather;
@@ -25,6 +26,7 @@ mod ply;
 mod ptx;
 mod sniff;
 mod table;
+mod unit;
 mod xyz;
 
 use glam::DVec3;
@@ -43,6 +45,7 @@ pub use picture::{A_PICTURE, UserPicture, UserPictureError, read_picture};
 pub use ply::{PlyColumns, PlyData, read_ply, read_ply_with};
 pub use ptx::read_ptx;
 pub use sniff::{InputKind, sniff};
+pub use unit::{HIGHEST_TREE_M, likely_scale, unit_name};
 pub use xyz::read_xyz;
 
 use crate::knob::{FARTHEST, excerpt};

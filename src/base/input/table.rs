@@ -4,6 +4,11 @@ use glam::DVec3;
 
 use super::cloud::is_read;
 use super::coordinate;
+use crate::knob::excerpt;
+
+/// What x, y and z are called in headers, the likeliest first, without units and in small letters.
+const NAMES: [&[&str]; 3] =
+    [&["x", "easting"], &["y", "northing"], &["z", "height", "elevation", "altitude"]];
 
 /// The layout of a table that is not just `x y z` and further columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,21 +26,16 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The layout that a header tells: a line that names x, y and z. `//X Y Z` of `CloudCompare` is one too.
+    /// The layout that a header tells: a line that names x, y and z, or easting, northing and height. `//X Y Z` of
+    /// `CloudCompare` is one too.
     pub fn of_header(row: &str) -> Option<Self> {
         let row = row.trim_start_matches(['/', '#']).trim();
         let delimiter = delimiter(row, false);
         let names: Vec<String> = fields(row, delimiter).map(plain).collect();
-        let find = |name: &str| names.iter().position(|found| found == name);
+        let [x, y, z] = coordinate_columns(&names);
         let titles = fields(row, delimiter).map(|title| title.trim_matches('"').trim().to_owned());
         let trees = titles.enumerate().filter(|(_, title)| is_read(title)).collect();
-        Some(Self {
-            columns: [find("x")?, find("y")?, find("z")?],
-            delimiter,
-            decimal_comma: false,
-            named: names.len(),
-            trees,
-        })
+        Some(Self { columns: [x?, y?, z?], delimiter, decimal_comma: false, named: names.len(), trees })
     }
 
     /// The same for the rows below the header: their decimal commas may tell that what parts columns is another sign. `None`
@@ -103,6 +103,46 @@ impl Layout {
     }
 }
 
+/// What a line of words above a table that is no header of x, y and z says of the columns below it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Titles {
+    /// It names two of x, y and z: what is expected for the third.
+    Lack(String),
+    /// It names no coordinates: the names of the first three columns, which are taken for them.
+    First([String; 3]),
+}
+
+impl Titles {
+    /// What `header` says of the first row below it. `None`: it is a title of the file and not of its columns, of which
+    /// there are more or fewer.
+    pub fn of(header: &str, row: &str) -> Option<Self> {
+        let of_header = delimiter(header, false);
+        let titles: Vec<&str> = fields(header, of_header).collect();
+        let of_row =
+            Layout::of_decimal_commas(row).map_or_else(|| delimiter(row, false), |row| row.delimiter);
+        if titles.len() != fields(row, of_row).count() {
+            return None;
+        }
+        let shown = |title: &str| excerpt(title.trim_matches('"').trim());
+        let names: Vec<String> = titles.iter().copied().map(plain).collect();
+        let columns = coordinate_columns(&names);
+        let named: Vec<String> = columns.iter().flatten().map(|&column| shown(titles[column])).collect();
+        match (columns.iter().position(Option::is_none), &named[..]) {
+            (Some(lacking), [first, second]) => Some(Self::Lack(format!(
+                "a column named {} in the header, beside '{first}' and '{second}'",
+                NAMES[lacking].join(" or ")
+            ))),
+            (None, _) => None,
+            _ => titles.get(..3).map(|first| Self::First([first[0], first[1], first[2]].map(shown))),
+        }
+    }
+}
+
+/// The columns of x, y and z among names without units, in small letters.
+fn coordinate_columns(names: &[String]) -> [Option<usize>; 3] {
+    NAMES.map(|known| known.iter().find_map(|name| names.iter().position(|found| found == name)))
+}
+
 /// What parts the columns of a row.
 fn delimiter(row: &str, decimal_comma: bool) -> Option<char> {
     let candidates: &[char] = if decimal_comma { &[';', '\t'] } else { &[';', ',', '\t'] };
@@ -139,6 +179,11 @@ mod tests {
             ("//X Y Z R G B", "1 2 3 0 0 0", [1.0, 2.0, 3.0]),
             ("tree\tx_m\ty_m\tz_m", "oak 7\t1\t2\t3", [1.0, 2.0, 3.0]),
             ("name,,x,y,z", "a,,1,2,3", [1.0, 2.0, 3.0]),
+            ("id,Easting,Northing,Height", "7,1,2,3", [1.0, 2.0, 3.0]),
+            ("ALTITUDE [m];northing (m);Easting_m", "3,5;2,0;1,0", [1.0, 2.0, 3.5]),
+            ("X,Y,elevation", "1,2,3", [1.0, 2.0, 3.0]),
+            // What is named z is z.
+            ("height,X[m],Y[m],Z[m]", "9,1,2,3", [1.0, 2.0, 3.0]),
         ] {
             let layout = Layout::of_header(header).unwrap().with_row(row).unwrap();
             assert_eq!(layout.point(row).map(|(point, _)| point), Ok(DVec3::from(expected)), "{header}");
@@ -146,6 +191,33 @@ mod tests {
         assert_eq!(Layout::of_header("columns: x y z").unwrap().with_row("1 2 3"), None);
         for header in ["a title", "1 2 3", "x y", "xx yy zz"] {
             assert_eq!(Layout::of_header(header), None, "{header}");
+        }
+    }
+
+    #[test]
+    fn titles_without_coordinates_say_what_is_missing_or_taken() {
+        let lacks = |expected: &str| Some(Titles::Lack(format!("a column named {expected}")));
+        let first = |names: [&str; 3]| Some(Titles::First(names.map(str::to_owned)));
+        for (header, row, expected) in [
+            (
+                "id,X,Y,intensity",
+                "1,2,3,4",
+                lacks("z or height or elevation or altitude in the header, beside 'X' and 'Y'"),
+            ),
+            (
+                "\"Easting [m]\";Height;n",
+                "1,5;2;3",
+                lacks("y or northing in the header, beside 'Easting [m]' and 'Height'"),
+            ),
+            ("y z", "1 2", lacks("x or easting in the header, beside 'y' and 'z'")),
+            ("id,lat,lon,h", "1,2,3,4", first(["id", "lat", "lon"])),
+            ("a b c", "1,5 2,5 3,5", first(["a", "b", "c"])),
+            // Of other columns than the table has, or of all three.
+            ("a title", "1 2 3", None),
+            ("a plot by x and y", "1 2 3", None),
+            ("id,x,y,z", "1,2,3,4", None),
+        ] {
+            assert_eq!(Titles::of(header, row), expected, "{header}");
         }
     }
 

@@ -5,20 +5,21 @@ use std::io::{BufRead, Read};
 use glam::DVec3;
 
 use super::gather::Gathering;
-use super::table::Layout;
+use super::table::{Layout, Titles};
 use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
 use crate::monitor::Monitor;
 
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
 /// the third are passed over, as are blank lines and comments (`#`, `//`). Before the first row
 /// there may be a line with the number of rows, and one line of any text (a header, a title). A header or comment that
-/// names `x`, `y` and `z` says which columns they are, and which tell trees apart (`treeID`, `tree` …). A comma
+/// names `x`, `y` and `z`, or easting, northing and height, says which columns they are, and which tell trees apart
+/// (`treeID`, `tree` …); [`Cloud::unnamed`] are the first three columns of one that names none of them. A comma
 /// between digits is a decimal one where other signs part the columns. After as many rows as were announced another
 /// number may announce more (PTS).
 ///
 /// # Errors
-/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite;
-/// fewer rows than announced; no rows at all; no memory; cancelled.
+/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite, a header that names two
+/// of x, y and z; fewer rows than announced; no rows at all; no memory; cancelled.
 pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     thin_xyz(bytes, None, monitor)
 }
@@ -71,7 +72,10 @@ const LONGEST_ROW: u64 = 1 << 20;
 struct Rows<'m> {
     points: Gathering<'m>,
     announced: Option<u64>,
-    header_seen: bool,
+    /// The line of any text, with its number.
+    title: Option<(usize, String)>,
+    /// The names of the columns that are taken for coordinates though nothing says so.
+    unnamed: Option<[String; 3]>,
     /// What a header says, and how rows are to be read where that is not usual.
     header: Option<Layout>,
     layout: Option<Layout>,
@@ -80,7 +84,7 @@ struct Rows<'m> {
 impl<'m> Rows<'m> {
     fn new(cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
         let points = Gathering::new([], cube, monitor);
-        Self { points, announced: None, header_seen: false, header: None, layout: None }
+        Self { points, announced: None, title: None, unnamed: None, header: None, layout: None }
     }
 
     /// Takes a line, numbered from 1.
@@ -104,6 +108,7 @@ impl<'m> Rows<'m> {
             let layout = of_header.or_else(|| Layout::of_decimal_commas(row));
             self.layout = layout.filter(|layout| !layout.is_usual());
             self.points.set_columns(self.layout.iter().flat_map(Layout::trees));
+            self.unnamed = self.columns_of_title(row)?;
         }
         let usual = || Ok((position(row)?, Vec::new()));
         match self.layout.as_ref().map_or_else(usual, |layout| layout.point(row)) {
@@ -111,18 +116,30 @@ impl<'m> Rows<'m> {
             Err(_)
                 if came == 0
                     && self.announced.is_none()
-                    && !self.header_seen
+                    && self.title.is_none()
                     && row.parse::<u64>().is_ok() =>
             {
                 self.announced = row.parse::<u64>().ok();
             }
-            Err(_) if came == 0 && !self.header_seen && is_words(row) => self.header_seen = true,
+            Err(_) if came == 0 && self.title.is_none() && is_words(row) => {
+                self.title = Some((line, row.to_owned()));
+            }
             Err(_) if self.announced == Some(came) && row.parse::<u64>().is_ok() => {
                 self.announced = row.parse::<u64>().ok().and_then(|more| more.checked_add(came));
             }
             Err(expected) => return Err(error(line, &expected, row)),
         }
         Ok(())
+    }
+
+    /// The first three columns by the line of text above `row`, the first of the table, if it names no coordinates.
+    fn columns_of_title(&self, row: &str) -> Result<Option<[String; 3]>, InputError> {
+        let (None, Some((line, title))) = (&self.header, &self.title) else { return Ok(None) };
+        match Titles::of(title, row) {
+            Some(Titles::Lack(expected)) => Err(error(*line, &expected, title)),
+            Some(Titles::First(names)) => Ok(Some(names)),
+            None => Ok(None),
+        }
     }
 
     fn finish(self) -> Result<Cloud, InputError> {
@@ -134,7 +151,7 @@ impl<'m> Rows<'m> {
             Some(rows) if found < rows => Err(whole(format!(
                 "its first line announces {rows} points, {found} follow: it may be cut off"
             ))),
-            _ => Ok(self.points.finish()),
+            _ => Ok(Cloud { unnamed: self.unnamed, ..self.points.finish() }),
         }
     }
 }
@@ -234,6 +251,18 @@ mod tests {
     }
 
     #[test]
+    fn columns_that_nothing_names_are_known_by_their_titles() {
+        let unnamed = |text: &str| read_xyz(text.as_bytes(), &Quiet).unwrap().unnamed;
+        let names = ["id", "lat", "lon"].map(str::to_owned);
+        assert_eq!(unnamed("id,lat,lon,h\n1,2,3,4\n"), Some(names));
+        for text in ["1 2 3\n", "x,y,z\n1,2,3\n", "a title\n1 2 3\n", "# a b c\n1 2 3\n"] {
+            assert_eq!(unnamed(text), None, "{text}");
+        }
+        let thin = thin_xyz(b"id,lat,lon\n1,2,3\n", None, &Quiet).unwrap().thin(0.5, &Quiet).unwrap();
+        assert!(thin.unnamed.is_some());
+    }
+
+    #[test]
     fn errors_carry_the_line_and_what_was_expected() {
         for (text, line, expected) in [
             ("1 2 3\n1 2\n", 2, "3 numbers or more, there are 2"),
@@ -246,6 +275,11 @@ mod tests {
             ("1 2 3\n2e10 0 0\n", 2, "a coordinate within ±1e9 in column 1"),
             ("id,x,y,z\n1,2,3,4\n1,2,,4\n", 3, "a number in column 3"),
             ("1,5;2,25;3,0\n1,5;2.5.5;3\n", 2, "a number in column 2"),
+            (
+                "# of a plot\nid,X,Y\n1,2,3\n",
+                2,
+                "a column named z or height or elevation or altitude in the header, beside 'X' and 'Y'",
+            ),
         ] {
             let found = read(text).unwrap_err();
             let InputError::Line { line: at, expected: said, .. } = &found else { panic!("{found}") };

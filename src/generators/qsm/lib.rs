@@ -12,7 +12,7 @@ mod nodes;
 use glam::DVec3;
 use linden_base::document::{Fault, Table};
 use linden_base::field;
-use linden_base::input::{CylinderTable, Geometry, Inputs, Up};
+use linden_base::input::{CylinderTable, Geometry, Inputs, Up, unit_name};
 use linden_base::knob::{Field, Kind, Knob, Value, integer, printable, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
@@ -230,9 +230,11 @@ impl Settings for QsmSettings {
             monitor.check()?;
             builder.add(tree);
         }
-        let mut notes = Vec::new();
+        let mut notes: Vec<String> = scale_note(table.scale).into_iter().collect();
         if shift != DVec3::ZERO {
-            let [x, y, z] = shift.to_array();
+            // As the table has it, without the digits that scaling leaves.
+            let foot = if table.scale == 1.0 { shift } else { (shift / table.scale * 1e6).round() / 1e6 };
+            let [x, y, z] = foot.to_array();
             notes.push(format!(
                 "the foot at {x}, {y}, {z} of the table was moved to 0,0,0; table_place=true leaves it where it is"
             ));
@@ -245,4 +247,14 @@ impl Settings for QsmSettings {
             ..Branched::default()
         })
     }
+}
+
+/// What is said of a table that was taken to be in another unit.
+fn scale_note(scale: f64) -> Option<String> {
+    let unit = unit_name(scale);
+    (scale != 1.0).then(|| {
+        format!(
+            "no tree is so large in metres: the table was taken for {unit} (times {scale}); write it in metres if that is wrong"
+        )
+    })
 }

@@ -19,12 +19,6 @@ const NARROW: f64 = 0.2;
 /// and above this part of it where it is not.
 const WIDE: f64 = 0.35;
 
-/// No tree is higher: the highest known is 116 m.
-const HIGHEST_M: f64 = 150.0;
-
-/// Greatest height that can be in centimetres: above it must be millimetres.
-const MOST_CM: f64 = 4000.0;
-
 /// Which of Y and Z points up in `points` (in the file's axes), if it is not `usual`: only where the cloud
 /// stands like a tree along the other and does not along this one.
 pub fn unusual_up(points: &[DVec3], usual: Up) -> Option<Up> {
@@ -42,11 +36,7 @@ pub fn shows_stem(points: &[Vec3]) -> bool {
 /// Metres for a unit of `points` (Y up): 1, or what centimetres or millimetres are if the tree would be
 /// impossibly high.
 pub fn likely_scale(points: &[DVec3]) -> f64 {
-    match height(&sample(points)).unwrap_or(0.0) {
-        height if height <= HIGHEST_M => 1.0,
-        height if height <= MOST_CM => 0.01,
-        _ => 0.001,
-    }
+    linden_base::input::likely_scale(height(&sample(points)).unwrap_or(0.0))
 }
 
 /// Evenly through the list.

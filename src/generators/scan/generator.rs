@@ -301,7 +301,8 @@ fn planted(
 ) -> Result<Planted, ScanGrowthError> {
     let (cloud, up) = settings.cloud(task.inputs, monitor)?;
     let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, &cloud, up, monitor)?;
-    let first_notes = || thinning_note(settings, &cloud).into_iter().chain(of_trees.clone());
+    let first_notes =
+        || thinning_note(settings, &cloud).into_iter().chain(columns_note(&cloud)).chain(of_trees.clone());
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
         let Prepared { site, bark, leaf_points, axes } =
@@ -347,6 +348,14 @@ fn thinning_note(settings: &ScanSettings, cloud: &Cloud) -> Option<String> {
     };
     let kept = cloud.positions.len();
     Some(format!("thin={thin}: {kept} of {of} points were kept, the first in each cube"))
+}
+
+/// What is said of columns that were taken for coordinates though their header does not say so.
+fn columns_note(cloud: &Cloud) -> Option<String> {
+    let [x, y, z] = cloud.unnamed.as_ref()?;
+    Some(format!(
+        "the header names no x, y and z: the first three columns, '{x}', '{y}' and '{z}', were taken for them"
+    ))
 }
 
 /// Points on the bark of the tree, where it stands.

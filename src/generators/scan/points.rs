@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use linden_base::input::{Up, recenter};
+use linden_base::input::{Up, recenter, unit_name};
 use linden_base::knob::Length;
 use linden_base::memory::bytes_of;
 use linden_base::monitor::Monitor;
@@ -216,7 +216,7 @@ fn up_note(up: Up) -> String {
 }
 
 fn scale_note(scale: f64) -> Option<String> {
-    let unit = if scale == 0.01 { "centimetres" } else { "millimetres" };
+    let unit = unit_name(scale);
     (scale != 1.0).then(|| {
         format!("no tree is so high in metres: coordinates were taken for {unit} (scale={scale}); scale=1 takes them for metres")
     })
