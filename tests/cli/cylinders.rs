@@ -268,3 +268,87 @@ fn a_broken_table_is_said_with_file_and_line() {
         }
     }
 }
+
+#[test]
+fn a_table_with_another_name_for_the_radius_is_no_cloud() {
+    let folder = Folder::new();
+    let radius = "a column named radius_m or radius or radius_cyl";
+    for (fixture_name, from, to, parts) in [
+        ("linden.csv", "radius_m", "r_m", [radius, "cylinders of linden", "found 'r_m'"]),
+        (
+            "archi.csv",
+            "radius_cyl",
+            "Diameter",
+            [radius, "cylinders of aRchi", "found 'Diameter', of which a radius is half"],
+        ),
+        ("simpleforest.csv", " radius,", " r,", [radius, "cylinders of SimpleForest", "found 'r'"]),
+        ("rtwig.csv", ",radius,", ",r,", [radius, "cylinders of rTwig", "found 'r'"]),
+        ("treeqsm.txt", "radius (m)", "R (m)", [radius, "cylinders of TreeQSM", "found 'R (m)'"]),
+        (
+            "raycloudtools.txt",
+            "radius,parent_id",
+            "r,parent_id",
+            ["a column named radius right after x, y and z", "cylinders of raycloudtools", "found 'r'"],
+        ),
+    ] {
+        let whole = String::from_utf8(fixture(fixture_name)).unwrap();
+        assert!(whole.contains(from), "{fixture_name}");
+        folder.write("tree.csv", whole.replacen(from, to, 1));
+        let said = folder.run(&["export", "tree.csv", "-o", "a.glb"]);
+        assert_eq!(said.code, Some(1), "{fixture_name}: {}", said.err);
+        for part in ["tree.csv"].iter().chain(&parts) {
+            assert!(said.err.contains(part), "{fixture_name}, {part}: {}", said.err);
+        }
+        assert_eq!(folder.names(), ["tree.csv"]);
+    }
+}
+
+#[test]
+fn semicolons_leave_commas_to_decimals() {
+    let folder = Folder::new();
+    for name in ["rtwig.csv", "simpleforest.csv"] {
+        let text = String::from_utf8(fixture(name)).unwrap().replace(',', ";").replace('.', ",");
+        folder.write("tree.csv", text);
+        let stats = folder.run(&["stats", "tree.csv", "--json"]).done().json();
+        assert_eq!(stats["generator"], "qsm", "{name}");
+        assert!((number(&stats, "cylinder_volume_m3") - PI * 0.0241).abs() < 1e-6, "{name}: {stats}");
+    }
+}
+
+#[test]
+fn a_tree_that_is_too_large_is_in_another_unit() {
+    let folder = Folder::new();
+    let table = |unit: f64| {
+        let mut text = "id,parent,start_x,start_y,start_z,end_x,end_y,end_z,radius\n".to_owned();
+        for (ids, metres) in [
+            ("1,0", [5.0, 6.0, 0.0, 5.0, 6.0, 20.0, 1.0]),
+            ("2,1", [5.0, 6.0, 20.0, 5.0, 6.0, 30.0, 0.5]),
+            ("3,1", [5.0, 6.0, 20.0, 15.0, 6.0, 20.0, 0.25]),
+        ] {
+            let numbers = metres.map(|x| (x * unit).to_string()).join(",");
+            text += &format!("{ids},{numbers}\n");
+        }
+        folder.write("tree.csv", text);
+        let said = folder.run(&["stats", "tree.csv", "--json"]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        let stats = said.json();
+        for (column, expected) in
+            [("cylinder_volume_m3", PI * (20.0 + 2.5 + 0.625)), ("total_length_m", 40.0), ("height_m", 30.0)]
+        {
+            let found = number(&stats, column);
+            assert!(
+                (found - expected).abs() < 1e-4 * expected,
+                "{unit}: {column} is {found}, not {expected}"
+            );
+        }
+        said.err
+    };
+    let metres = table(1.0);
+    assert!(!metres.contains("taken for"), "{metres}");
+    let centimetres = table(100.0);
+    assert!(centimetres.contains("the table was taken for centimetres (times 0.01)"), "{centimetres}");
+    assert!(centimetres.contains("the foot at 500, 600, 0 of the table"), "{centimetres}");
+    let millimetres = table(1000.0);
+    assert!(millimetres.contains("the table was taken for millimetres (times 0.001)"), "{millimetres}");
+    assert!(millimetres.contains("the foot at 5000, 6000, 0 of the table"), "{millimetres}");
+}

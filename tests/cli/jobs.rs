@@ -145,6 +145,59 @@ fn a_scan_stands_up_at_the_origin_and_looks_like_the_tree() {
     assert!(lying["height_m"].as_f64().unwrap() < 1.0, "{lying}");
 }
 
+/// The points of [`scan`], each row made of x, y and z.
+fn table(header: &str, row: impl Fn([f64; 3]) -> String) -> String {
+    let number = |field: &str| field.parse::<f64>().unwrap();
+    let rows = scan();
+    let rows = rows.lines().map(|line| {
+        let fields: Vec<&str> = line.split(' ').collect();
+        row([number(fields[0]), number(fields[1]), number(fields[2])])
+    });
+    std::iter::once(header.to_owned()).chain(rows).collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn a_header_says_which_columns_are_coordinates_or_a_note_which_were_taken() {
+    let folder = Folder::new();
+    folder.write("scan.xyz", scan());
+    let height = |name: &str| folder.run(&["stats", name, "--json"]).done().json()["height_m"].clone();
+    let expected = height("scan.xyz");
+    let surveyed = |[x, y, z]: [f64; 3]| format!("7,{x},{y},{z}");
+    folder.write("a.csv", table("id,Easting,Northing,Height", surveyed));
+    assert_eq!(height("a.csv"), expected);
+    folder.write("a.csv", table("altitude (m),NORTHING [m],Easting_m", |[x, y, z]| format!("{z},{y},{x}")));
+    assert_eq!(height("a.csv"), expected);
+
+    folder.write("a.csv", table("id,X,Y", |[x, y, _]| format!("7,{x},{y}")));
+    let said = folder.run(&["stats", "a.csv"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    let part = "line 1: expected a column named z or height or elevation or altitude in the header, beside 'X' and 'Y'";
+    assert!(said.err.contains("a.csv") && said.err.contains(part), "{}", said.err);
+
+    folder.write("a.csv", table("e,n,up", |[x, y, z]| format!("{x},{y},{z}")));
+    let said = folder.run(&["stats", "a.csv", "--json"]);
+    assert!(said.err.contains("the first three columns, 'e', 'n' and 'up', were taken"), "{}", said.err);
+    assert_eq!(said.json()["height_m"], expected);
+    let named = folder.run(&["stats", "scan.xyz"]).done();
+    assert!(!named.err.contains("the first three columns"), "{}", named.err);
+}
+
+#[test]
+fn a_place_that_is_too_far_for_single_precision_is_not_offered() {
+    let folder = Folder::new();
+    folder.write("utm.csv", table("x,y,z", |[x, y, z]| format!("{},{},{z}", x + 446_000.0, y + 5_428_000.0)));
+    let said = folder.run(&["stats", "utm.csv", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(
+        said.err.contains("too coarse to leave it there") && !said.err.contains("origin=keep"),
+        "{}",
+        said.err
+    );
+    let kept = folder.run(&["stats", "utm.csv", "--set", "origin=keep"]);
+    assert_eq!(kept.code, Some(1), "{}", kept.err);
+    assert!(kept.err.contains("single precision"), "{}", kept.err);
+}
+
 #[test]
 fn a_recipe_from_a_file_grows_the_same_tree_again() {
     let folder = Folder::new();
