@@ -8,6 +8,7 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::collision::{COLLISION, MOST};
 use crate::{
     AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options,
     Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
@@ -88,14 +89,25 @@ impl Output {
     }
 
     /// The files for a number of levels of detail: this one, or for a format that holds one level only, or is to hold one,
-    /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
+    /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level. Shapes for physics are in the file of the
+    /// finest.
     pub fn in_levels(self, levels: usize) -> Vec<Self> {
         let looks_in = self.exporter.format().levels_with(&self.options);
         if levels < 2 || self.gathers || self.is_stream() || looks_in != LooksIn::Files {
             return vec![self];
         }
-        let path = |level: usize| self.path_with(&format!("_LOD{level}"));
-        (0..levels).map(|level| Self { path: path(level), level: Some(level), ..self.clone() }).collect()
+        let of_level = |level: usize| {
+            let path = self.path_with(&format!("_LOD{level}"));
+            let mut file = Self { path, level: Some(level), ..self.clone() };
+            if level > 0 {
+                // Whoever loads all of them needs the bodies once.
+                for name in [COLLISION.knob.name, MOST.knob.name, "collision_as"] {
+                    file.options.reset(name);
+                }
+            }
+            file
+        };
+        (0..levels).map(of_level).collect()
     }
 
     /// Puts it into a folder.

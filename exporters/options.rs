@@ -83,6 +83,15 @@ impl Options {
         self.change(name, text).map(|_| ())
     }
 
+    /// Puts an option that there may be back to what nobody asked for.
+    pub(crate) fn reset(&mut self, name: &str) {
+        let place = self.format.options.iter().position(|spec| spec.knob.name == name);
+        if let Some(index) = place {
+            self.values[index] = Self::new(self.format).values[index].clone();
+            self.asked[index] = false;
+        }
+    }
+
     /// Whether an option was [`set`](Self::set).
     pub fn is_asked(&self, name: &str) -> bool {
         self.format.options.iter().zip(&self.asked).any(|(spec, asked)| *asked && spec.knob.name == name)
