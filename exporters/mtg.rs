@@ -1,7 +1,7 @@
 //! A multiscale tree graph as text: what `OpenAlea` and `AMAPmod` read (Godin & Caraglio 1998, "A multiscale model of plant
 //! topological structures").
 //!
-//! Three scales: plants `P`, their axes `A`, the internodes `I` of these, joined by `/` (is made of), `<` (succeeds) and `+`
+//! Three scales: plants `P`, one a tree ([`trees`]), their axes `A`, the internodes `I` of these, joined by `/` (is made of), `<` (succeeds) and `+`
 //! (branches). Organs stand at the scale of internodes, each joined by `+` to the one that bears it: leaves and needles
 //! `L`, blossom `B`, fruit `F`. An internode's place is its upper end, an organ's where it is attached, a plant's its foot;
 //! what leaves the very foot of a stem is an axis of the plant that nothing bears, as a second stem is, and organs at a
@@ -15,14 +15,15 @@ use std::io;
 
 use glam::Vec3;
 use linden_pipeline::Monitor;
-use linden_pipeline::foliage::{MeasuredOrgans, OrganClass};
+use linden_pipeline::foliage::OrganClass;
 use linden_pipeline::memory::bytes_of;
 use linden_pipeline::scene::Scene;
 use linden_pipeline::skeleton::{Axis, NO_PARENT, Skeleton};
-use linden_pipeline::stage::{Place, Stage};
+use linden_pipeline::stage::Stage;
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
+use crate::writing::trees::{self, NumberedTree};
 use crate::writing::{fit, memory, validate};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces, recipe};
 
@@ -128,8 +129,8 @@ impl Exporter for Mtg {
     ) -> Result<(), ExportError> {
         let with_organs = options.is_on("organs");
         let stage = &fit(stage, if with_organs { &FORMAT } else { &WOOD }, bundle);
-        let trees = validate::trees(stage, monitor)?;
-        let axes = trees.iter().flat_map(|(_, scene)| &scene.skeleton.axes);
+        let plants = validate::trees(stage, monitor)?;
+        let axes = plants.iter().flat_map(|(_, scene)| &scene.skeleton.axes);
         let most = axes.map(|axis| axis.order).max().unwrap_or(0);
         if most > MOST_ORDERS {
             let amount = format!("axes of order {most}");
@@ -137,17 +138,18 @@ impl Exporter for Mtg {
             return Err(ExportError::TooLarge { format: FORMAT.id, amount, limit: "order 250", advice });
         }
         let organs = |scene: &Scene| if with_organs { scene.organs.len() } else { 0 };
-        let bytes = trees.iter().map(|(_, scene)| {
+        let bytes = plants.iter().map(|(_, scene)| {
             let (nodes, axes) = (scene.skeleton.positions.len(), scene.skeleton.axes.len());
             let rows = nodes + axes + 1 + organs(scene);
             bytes_of::<(Row, u32)>(rows)
                 + bytes_of::<[u32; 5]>(axes)
-                + bytes_of::<[u32; 2]>(organs(scene))
+                + bytes_of::<[u32; 3]>(organs(scene))
                 + records::bytes(rows)
         });
-        memory::admit(stage, &[], bytes.max().unwrap_or(0) + u64::from(most) * 8192, monitor)?;
+        let bytes = trees::bytes(&plants) + bytes.max().unwrap_or(0);
+        memory::admit(stage, &[], bytes + u64::from(most) * 8192, monitor)?;
         // Of plants, axes, and what they bear.
-        let columns = most as usize + 2 + usize::from(trees.iter().any(|(_, scene)| organs(scene) > 0));
+        let columns = most as usize + 2 + usize::from(plants.iter().any(|(_, scene)| organs(scene) > 0));
         let (name, recipe) = recipe::of_stage(stage);
         let head = format!(
             "{}{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\tdx\tdy\tdz\tnx\tny\tnz\tred\tgreen\tblue\n",
@@ -155,23 +157,21 @@ impl Exporter for Mtg {
             recipe::foot_comment(stage, "#"),
             "\t".repeat(columns)
         );
-        if !with_organs && trees.iter().all(|(_, scene)| scene.organs.is_empty()) {
+        if !with_organs && plants.iter().all(|(_, scene)| scene.organs.is_empty()) {
             bundle.note("mtg: organs=false changes nothing where nothing grows on the wood");
         }
         let mut left_out = 0;
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            for (number, (place, scene)) in (1..).zip(&trees) {
-                let skeleton = &*scene.skeleton;
-                let mut borne: Vec<(u32, u32)> = Vec::with_capacity(organs(scene));
-                borne.extend(scene.organs.nodes().zip(0..).take(organs(scene)));
+            for tree in trees::numbered(&plants) {
+                let nodes = if with_organs { tree.organ_nodes() } else { Vec::new() };
+                let mut borne: Vec<(u32, u32)> = nodes.into_iter().zip(0..).collect();
                 borne.sort_unstable();
-                let rows = rows(skeleton, &borne);
+                let rows = rows(&tree.skeleton, &borne);
                 left_out +=
                     borne.len() - rows.iter().filter(|(row, _)| matches!(row, Row::Organ(..))).count();
                 drop(borne);
-                let organs = scene.organs.measured();
-                let plant = Plant { number, place, skeleton, organs: &organs, columns };
+                let plant = Plant { tree: &tree, columns };
                 records::write(out, rows.len(), |text, range| {
                     for &(row, depth) in &rows[range] {
                         plant.write(text, row, depth);
@@ -239,23 +239,20 @@ fn internodes<'a>(skeleton: &'a Skeleton, axis: &Axis) -> &'a [u32] {
 }
 
 /// A tree where it stands.
-struct Plant<'a> {
-    number: u32,
-    place: &'a Place,
-    skeleton: &'a Skeleton,
-    organs: &'a MeasuredOrgans<'a>,
+struct Plant<'t, 'a> {
+    tree: &'t NumberedTree<'a>,
     /// Before the first feature.
     columns: usize,
 }
 
-impl Plant<'_> {
+impl Plant<'_, '_> {
     fn write(&self, text: &mut Text, row: Row, depth: u32) {
-        let Self { skeleton, place, .. } = self;
+        let NumberedTree { number: plant, skeleton, place, .. } = self.tree;
         let column = depth as usize + 1;
         match row {
             Row::Plant => {
                 text.bytes(b"/P");
-                text.integer(self.number);
+                text.integer(*plant);
                 let foot = skeleton.axes.first().map_or(0, |axis| skeleton.nodes_of(axis)[0]);
                 self.place(text, 0, skeleton.positions[foot as usize]);
             }
@@ -281,39 +278,41 @@ impl Plant<'_> {
                     text.integer(number);
                 }
             }
-            Row::Organ(index, number) => self.organs.each(index as usize..index as usize + 1, |_, organ| {
-                tabs(text, column);
-                text.bytes(match organ.class {
-                    OrganClass::Leaf => b"+L",
-                    OrganClass::Blossom => b"+B",
-                    OrganClass::Fruit => b"+F",
-                });
-                text.integer(number);
-                self.place(text, column, organ.placement.position);
-                // Neither radius nor order.
-                text.bytes(b"\t\t");
-                text.float(organ.placement.scale * place.scale);
-                text.bytes(b"\t\t");
-                text.integer(organ.birth);
-                text.byte(b'\t');
-                text.integer(organ.node);
-                text.byte(b'\t');
-                text.float((organ.area_m2 * f64::from(place.scale) * f64::from(place.scale)) as f32);
-                text.byte(b'\t');
-                text.slice(organ.kind.as_bytes());
-                text.byte(b'\t');
-                text.integer(index);
-                text.byte(b'\t');
-                let turn = self.place.rotation() * organ.placement.rotation;
-                let [direction, face] = [turn * Vec3::Y, turn * Vec3::Z].map(z_up);
-                text.floats(direction, b"\t");
-                text.byte(b'\t');
-                text.floats(face, b"\t");
-                for channel in organ.color {
+            Row::Organ(index, number) => {
+                self.tree.each_organ(index as usize..index as usize + 1, |_, organ| {
+                    tabs(text, column);
+                    text.bytes(match organ.class {
+                        OrganClass::Leaf => b"+L",
+                        OrganClass::Blossom => b"+B",
+                        OrganClass::Fruit => b"+F",
+                    });
+                    text.integer(number);
+                    self.place(text, column, organ.placement.position);
+                    // Neither radius nor order.
+                    text.bytes(b"\t\t");
+                    text.float(organ.placement.scale * place.scale);
+                    text.bytes(b"\t\t");
+                    text.integer(organ.birth);
                     text.byte(b'\t');
-                    text.integer(channel.into());
-                }
-            }),
+                    text.integer(organ.node);
+                    text.byte(b'\t');
+                    text.float((organ.area_m2 * f64::from(place.scale) * f64::from(place.scale)) as f32);
+                    text.byte(b'\t');
+                    text.slice(organ.kind.as_bytes());
+                    text.byte(b'\t');
+                    text.integer(index);
+                    text.byte(b'\t');
+                    let turn = place.rotation() * organ.placement.rotation;
+                    let [direction, face] = [turn * Vec3::Y, turn * Vec3::Z].map(z_up);
+                    text.floats(direction, b"\t");
+                    text.byte(b'\t');
+                    text.floats(face, b"\t");
+                    for channel in organ.color {
+                        text.byte(b'\t');
+                        text.integer(channel.into());
+                    }
+                });
+            }
         }
         text.byte(b'\n');
     }
@@ -321,7 +320,7 @@ impl Plant<'_> {
     /// The features of a place, after an entity in a column.
     fn place(&self, text: &mut Text, column: usize, position: Vec3) {
         tabs(text, self.columns - column);
-        let moved = self.place.motion().map_or(position, |motion| motion.point(position));
+        let moved = self.tree.place.motion().map_or(position, |motion| motion.point(position));
         text.floats(z_up(moved), b"\t");
     }
 }

@@ -13,7 +13,7 @@
 //! | `area_m2` | one side of its triangles, as far as its picture leaves them opaque |
 //! | `birth` | the step in which it appeared |
 //! | `red`, `green`, `blue` | the mean colour of its shape, or that of the grammar: sRGB, 0 to 255. No `#`, which begins a comment |
-//! | `tree` | counted from 1; other numbers begin again in each |
+//! | `tree` | counted from 1 ([`trees`]); other numbers begin again in each |
 //!
 //! The recipe is the one line that starts with `# recipe: `, before the header, as in a table of cylinders.
 
@@ -25,7 +25,7 @@ use linden_pipeline::stage::{Place, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
-use crate::writing::{fit, mean_digits, memory, validate};
+use crate::writing::{fit, mean_digits, memory, trees, validate};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
 
 /// A table of organs.
@@ -72,13 +72,13 @@ impl Exporter for Organs {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let trees = validate::trees(stage, monitor)?;
-        let most = trees.iter().map(|(_, scene)| scene.organs.len()).max().unwrap_or(0);
+        let plants = validate::trees(stage, monitor)?;
+        let most = plants.iter().map(|(_, scene)| scene.organs.len()).max().unwrap_or(0);
         if most == 0 {
             bundle.note("organs: nothing grows on the wood, so that the table is its header alone");
         }
         // Rows are twice as long as most records.
-        memory::admit(stage, &[], 2 * records::bytes(most), monitor)?;
+        memory::admit(stage, &[], trees::bytes(&plants) + 2 * records::bytes(most), monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
             let (name, recipe) = recipe::of_stage(stage);
@@ -87,10 +87,11 @@ impl Exporter for Organs {
         head += HEADER;
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            for (tree, (place, scene)) in (1..).zip(&trees) {
-                let organs = scene.organs.measured();
-                records::write(out, scene.organs.len(), |text, range| {
-                    organs.each(range, |id, organ| row(text, id as u32, organ, place, tree));
+            for tree in trees::numbered(&plants) {
+                records::write(out, tree.organs(), |text, range| {
+                    tree.each_organ(range, |id, organ| {
+                        row(text, id as u32, organ, tree.place, tree.number);
+                    });
                 })?;
             }
             Ok(())

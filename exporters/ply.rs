@@ -20,7 +20,7 @@ use linden_pipeline::stage::{Motion, Place, Stage};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::records::{self, Text};
-use crate::writing::{fit, mean_digits, memory, pictures, validate};
+use crate::writing::{fit, mean_digits, memory, pictures, trees, validate};
 use crate::{
     Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces,
     recipe, traces,
@@ -249,19 +249,19 @@ impl Exporter for PlySkeleton {
                 "ply-skeleton holds a radius for each node: width_steps, how wood goes from one to the next, changes nothing in it; qsm holds the cylinders",
             );
         }
-        let trees = validate::trees(stage, monitor)?;
+        let plants = validate::trees(stage, monitor)?;
         let ascii = encoding(options) == Encoding::Text;
         let sum = |count: fn(&Skeleton) -> usize| -> usize {
-            trees.iter().map(|(_, scene)| count(&scene.skeleton)).sum()
+            plants.iter().map(|(_, scene)| count(&scene.skeleton)).sum()
         };
         let (nodes, edges) = (sum(|skeleton| skeleton.positions.len()), sum(Skeleton::segments));
         if nodes > i32::MAX as usize {
             return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
         }
-        let most = trees.iter().map(|(_, scene)| scene.skeleton.positions.len()).max().unwrap_or(0);
+        let most = plants.iter().map(|(_, scene)| scene.skeleton.positions.len()).max().unwrap_or(0);
         // The topology of a tree while its records are formatted; Strahler's orders are counted with another list.
         let more = bytes_of::<[u32; 4]>(most) + records::bytes(most);
-        memory::admit(stage, &[], more, monitor)?;
+        memory::admit(stage, &[], trees::bytes(&plants) + more, monitor)?;
         let (name, recipe) = recipe::of_stage(stage);
         let mut head = header(name, recipe, ascii) + &recipe::foot_comment(stage, "comment");
         head += &format!("element vertex {nodes}\n");
@@ -276,18 +276,18 @@ impl Exporter for PlySkeleton {
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
             let mut before = 0;
-            for (tree, (place, scene)) in (1..).zip(&trees) {
-                let topology = Topology::of(&scene.skeleton, before, tree);
-                records::write(out, scene.skeleton.positions.len(), |text, range| {
+            for tree in trees::numbered(&plants) {
+                let topology = Topology::of(&tree.skeleton, before, tree.number);
+                records::write(out, tree.skeleton.positions.len(), |text, range| {
                     for node in range {
-                        write_node(text, &topology, place, node, ascii);
+                        write_node(text, &topology, tree.place, node, ascii);
                     }
                 })?;
-                before += scene.skeleton.positions.len() as u32;
+                before += tree.skeleton.positions.len() as u32;
             }
             before = 0;
-            for (_, scene) in &trees {
-                let parents = &scene.skeleton.parents;
+            for tree in trees::numbered(&plants) {
+                let parents = &tree.skeleton.parents;
                 records::write(out, parents.len(), |text, range| {
                     for node in range.filter(|&node| parents[node] != NO_PARENT) {
                         let ends = [before + parents[node], before + node as u32];

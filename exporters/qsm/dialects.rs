@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | simpleforest | those of `SimpleForest`'s detailed table up to `treeID`, `, ` between; parent −1: none | `treeID`; ids go on |
 //! | treeqsm | `TreeQSM`'s text (`save_model_text.m`), tabs; parent 0: none | one after the other: each a stem more |
-//! | raycloudtools | `x,y,z,radius,parent_id`, `, ` between segments | a line each, also each stem of one |
+//! | raycloudtools | `x,y,z,radius,parent_id`, `, ` between segments | a line each, also each stem of a stool |
 //! | archi | those of aRchi's QSM, and `axisX` … `branch_ID`, which rTwig asks for; parent 0: none | one after the other |
 //!
 //! What was never fitted has no `mad` and no `SurfCov`: 0 and 1 are written.

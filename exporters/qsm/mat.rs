@@ -19,7 +19,7 @@ use linden_pipeline::stage::Stage;
 
 use super::dialects::{Sheet, z_up};
 use crate::options::{OptionSpec, Options};
-use crate::writing::{fit, memory, validate};
+use crate::writing::{fit, memory, trees, validate};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, recipe};
 
 /// Cylinders for MATLAB.
@@ -248,15 +248,15 @@ impl Exporter for Mat {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let trees = validate::trees(stage, monitor)?;
-        let more = trees.iter().map(|(_, scene)| {
+        let plants = validate::trees(stage, monitor)?;
+        let more = plants.iter().map(|(_, scene)| {
             let nodes = scene.skeleton.positions.len();
             Forks::bytes_for(&scene.skeleton) + Sheet::bytes(nodes) + 2 * cylinder_bytes(nodes as u64)
         });
-        memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
+        memory::admit(stage, &[], trees::bytes(&plants) + more.max().unwrap_or(0), monitor)?;
         let (_, text) = recipe::of_stage(stage);
         let text: Vec<u16> = text.encode_utf16().collect();
-        let counts: Vec<u64> = trees.iter().map(|(_, scene)| scene.skeleton.segments() as u64).collect();
+        let counts: Vec<u64> = trees::numbered(&plants).map(|tree| tree.skeleton.segments() as u64).collect();
         let models: u64 = counts.iter().map(|&rows| 8 + cylinder_bytes(rows)).sum();
         let models = array_bytes("QSM".len(), fields_bytes(1) + models);
         let letters = array_bytes(RECIPE.len(), 8 + padded(2 * text.len() as u64));
@@ -278,11 +278,11 @@ impl Exporter for Mat {
                 bytes.0.extend(text.iter().flat_map(|letter| letter.to_le_bytes()));
                 bytes.pad();
             }
-            bytes.array(models, class::STRUCT, [1, trees.len() as u32], "QSM");
+            bytes.array(models, class::STRUCT, [1, counts.len() as u32], "QSM");
             bytes.fields(std::iter::once("cylinder"));
             out.write(&bytes.0)?;
-            for (place, scene) in &trees {
-                let sheet = Sheet::new(&scene.skeleton, place);
+            for tree in trees::numbered(&plants) {
+                let sheet = Sheet::new(&tree.skeleton, tree.place);
                 let mut bytes = Bytes::default();
                 bytes.array(cylinder_bytes(sheet.len() as u64), class::STRUCT, [1, 1], "");
                 bytes.fields(COLUMNS.iter().map(|column| column.name));

@@ -5,8 +5,8 @@
 //! another. Branch 1 is the stem, its order 0. Length and the volume `π r² l` add up to what
 //! `linden stats` says. `node` and `parent_node` are the segment's nodes, numbered from 0: what leaves the foot
 //! of a stem has no cylinder below, but its node. The radii at both ends are those of the frustum that holds as
-//! much as the cylinder. `tree` counts the trees of a forest from 1; ids, branches and nodes begin again in each, so that
-//! the rows of one are a table for themselves.
+//! much as the cylinder. `tree` counts the trees of a forest from 1 ([`trees`]); ids, branches and nodes begin again in each,
+//! so that the rows of one are a table for themselves.
 //!
 //! Trees that were measured on a scan have five columns more, of the upper end of each cylinder: the points that a
 //! circle went through, their median distance from it, how much of the turn they cover, the standard error of the
@@ -25,7 +25,6 @@ use std::io;
 use linden_pipeline::Monitor;
 use linden_pipeline::knob::Value;
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::scene::Scene;
 use linden_pipeline::skeleton::{Cylinder, Forks, RadiusFit};
 use linden_pipeline::stage::{Place, Stage};
 
@@ -34,7 +33,8 @@ pub(crate) use self::mat::Mat;
 use self::dialects::{Dialect, Sheet, Taken, WORDS};
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
-use crate::writing::{fit, mean_digits, memory, validate};
+use crate::writing::trees::NumberedTree;
+use crate::writing::{fit, mean_digits, memory, trees, validate};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces, recipe};
 
 /// A table of cylinders.
@@ -120,20 +120,21 @@ impl Exporter for Qsm {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let trees = validate::trees(stage, monitor)?;
+        let plants = validate::trees(stage, monitor)?;
         let dialect = match options.value("dialect") {
             Some(Value::Word(word)) => Dialect::of(word),
             _ => None,
         };
-        let more = trees.iter().map(|(_, scene)| {
+        let more = plants.iter().map(|(_, scene)| {
             let nodes = scene.skeleton.positions.len();
             // Rows are longer than most records.
             let text = records::bytes(nodes) * 3 / 2 + dialect.map_or(0, |_| Sheet::bytes(nodes));
             Forks::bytes_for(&scene.skeleton) + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text
         });
-        memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
+        memory::admit(stage, &[], trees::bytes(&plants) + more.max().unwrap_or(0), monitor)?;
+        let all = trees::numbered(&plants);
         if let Some(dialect) = dialect {
-            return write_dialect(dialect, stage, &trees, options, bundle, monitor);
+            return write_dialect(dialect, stage, all, options, bundle, monitor);
         }
         let mut head = String::new();
         if options.is_on("comments") {
@@ -142,15 +143,15 @@ impl Exporter for Qsm {
                 + &recipe::foot_comment(stage, "#");
         }
         head += HEADER;
-        let is_measured = trees.iter().any(|(_, scene)| !scene.skeleton.fits.is_empty());
+        let is_measured = plants.iter().any(|(_, scene)| !scene.skeleton.fits.is_empty());
         if is_measured {
             head += FIT_HEADER;
         }
         head += "\n";
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            for (tree, (place, scene)) in (1..).zip(&trees) {
-                let skeleton = &scene.skeleton;
+            for tree in all {
+                let (skeleton, place) = (&tree.skeleton, tree.place);
                 let cylinders = skeleton.cylinders();
                 records::write(out, cylinders.len(), |text, range| {
                     for index in range {
@@ -158,7 +159,7 @@ impl Exporter for Qsm {
                         let order = skeleton.axes[cylinder.axis as usize].order;
                         row(text, index as u32, &cylinder, order, skeleton.births[cylinder.node as usize]);
                         text.byte(b',');
-                        text.integer(tree);
+                        text.integer(tree.number);
                         if is_measured {
                             fit_columns(text, skeleton.fits.get(cylinder.node as usize), place.scale);
                         }
@@ -172,10 +173,10 @@ impl Exporter for Qsm {
 }
 
 /// All trees as another program has them.
-fn write_dialect(
+fn write_dialect<'t>(
     dialect: Dialect,
     stage: &Stage<'_>,
-    trees: &[(&Place, &Scene)],
+    all: impl Iterator<Item = NumberedTree<'t>>,
     options: &Options,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
@@ -189,17 +190,17 @@ fn write_dialect(
     bundle.write_main(None, monitor, |out| {
         out.write(head.as_bytes())?;
         let mut taken = Taken::default();
-        for (tree, (place, scene)) in (1..).zip(trees) {
-            let sheet = Sheet::new(&scene.skeleton, place);
+        for NumberedTree { number, place, skeleton, .. } in all {
+            let sheet = Sheet::new(&skeleton, place);
             if dialect == Dialect::Raycloudtools {
                 let mut text = Text::default();
-                sheet.lines(&scene.skeleton, place, &mut text);
+                sheet.lines(&skeleton, place, &mut text);
                 out.write(text.written())?;
                 continue;
             }
             records::write(out, sheet.len(), |text, range| {
                 for index in range {
-                    sheet.row(dialect, text, index, taken, tree);
+                    sheet.row(dialect, text, index, taken, number);
                 }
             })?;
             taken = sheet.after(taken);

@@ -11,6 +11,7 @@
 //! | check and list meshes and materials | [`distinct::DistinctMeshes`], or [`validate::single_tree`] for a skeleton |
 //! | list and compress pictures | [`pictures`] |
 //! | ask for the memory | [`memory::admit`] |
+//! | number the trees of a forest | [`trees`] |
 //! | begin a text with its recipe | [`comments`] |
 //! | write | [`Bundle::write_main`](crate::Bundle::write_main), [`records::write`] |
 //!
@@ -94,6 +95,7 @@ pub mod memory;
 mod names;
 pub mod pictures;
 pub mod records;
+pub mod trees;
 pub mod validate;
 
 pub(crate) use self::asked::{has_bones, note_asked};

@@ -547,6 +547,8 @@ fn build(
     let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
     let measured_nodes = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
     skeleton.fits = fits;
+    // No step of refinement takes a foot away, or puts it before another.
+    skeleton.trees = std::mem::take(&mut branched.trees);
     branched.notes.extend(trunk_note(&skeleton));
     let side = &preset.refinement.side;
     if !side.add_to(&mut skeleton, preset.wood_key().named("side"), branched.most_nodes, monitor)? {

@@ -42,6 +42,14 @@ impl TreeSizes {
         Self { height_m: measures.height_m, dbh_m: measures.trunk_diameter_m, classes }
     }
 
+    /// Measures each tree of a skeleton that stands somewhere in another size than it grew in, in the order of their numbers.
+    pub fn of_trees(skeleton: &Skeleton, scale: f32) -> Vec<Self> {
+        match skeleton.tree_index() {
+            None => vec![Self::scaled(skeleton, scale)],
+            Some(index) => skeleton.split(&index).iter().map(|tree| Self::scaled(tree, scale)).collect(),
+        }
+    }
+
     /// Measures a tree that stands somewhere in another size than it grew in.
     pub fn scaled(skeleton: &Skeleton, scale: f32) -> Self {
         if scale == 1.0 {

@@ -28,7 +28,7 @@ pub struct Stand {
 
 impl Stand {
     /// The stands that the settings ask for: evenly round the foot of a tree, the first in any direction; spread evenly among
-    /// the feet of several.
+    /// the feet of several, for which the distance says nothing.
     ///
     /// # Errors
     /// [`ScannerError::Nothing`].

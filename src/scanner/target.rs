@@ -5,9 +5,10 @@ use linden_pipeline::foliage::Shaper;
 use linden_pipeline::grow::Grown;
 use linden_pipeline::memory::bytes_of;
 use linden_pipeline::mesh::{Bounds, Mesh};
+use linden_pipeline::skeleton::TreeIndex;
 use linden_pipeline::stage::Place;
 use linden_pipeline::surface::{Junction, Tubes, count, sweep};
-use linden_pipeline::{Monitor, Skeleton};
+use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
 use crate::ScannerError;
 use crate::stand::Stand;
@@ -37,11 +38,12 @@ impl WhatIsHit {
 /// What a point lies on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Truth {
-    /// Of the trees of a target, counted from 1; 0 for ground.
+    /// Of the trees of a target, counted from 1 as tables of the same trees count them; 0 for ground.
     pub tree: u32,
     /// What it is.
     pub what: WhatIsHit,
-    /// Index among [`Skeleton::axes`] of the wood, or of the wood that bears the leaf; -1 for ground.
+    /// Index among [`Skeleton::axes`] of the wood, or of the wood that bears the leaf, where a skeleton holds several trees
+    /// among those of its tree ([`Skeleton::split`]); -1 for ground.
     pub axis: i32,
     /// The order of that axis, 0 for a stem; -1 for ground.
     pub order: i32,
@@ -72,12 +74,12 @@ pub struct Target {
     pub owners: Vec<u32>,
     /// What triangles are.
     pub truths: Vec<Truth>,
-    /// The foot of each tree.
+    /// The foot of each tree, the first of several stems'.
     feet: Vec<Vec3>,
 }
 
 impl Target {
-    /// Adds a tree where it stands, with its leaves or without. Wood that would be one solid is scanned as the tubes that it
+    /// Adds a tree where it stands, or the trees of a stand, with leaves or without. Wood that would be one solid is scanned as the tubes that it
     /// is made of: from outside they look alike.
     ///
     /// # Errors
@@ -110,8 +112,9 @@ impl Target {
         if tubes.junction == Junction::Watertight {
             tubes.junction = Junction::Overlap;
         }
-        let foot = skeleton.axes.iter().find_map(|axis| skeleton.nodes_of(axis).first());
-        self.feet.push(foot.map_or(Vec3::ZERO, |&foot| skeleton.positions[foot as usize]));
+        let trees = Trees { index: skeleton.tree_index(), before: self.feet.len() as u32, skeleton };
+        let first_foot = self.feet.len();
+        self.feet.extend(trees.feet());
         let mesh = sweep(skeleton, &tubes, monitor)?;
         let of_axes = count(skeleton, &tubes, monitor)?;
         self.admit(mesh.triangles.len(), monitor)?;
@@ -119,21 +122,27 @@ impl Target {
         for (axis, amount) in (0..).zip(of_axes) {
             let triangles = mesh.triangles.get(at..at + amount.triangles).unwrap_or_default();
             at += amount.triangles;
-            self.add_mesh(&mesh, triangles, self.truth(skeleton, axis, WhatIsHit::Wood));
+            self.add_mesh(&mesh, triangles, trees.truth(axis, WhatIsHit::Wood));
         }
         drop(mesh);
         if leaves {
-            self.add_leaves(grown, monitor)?;
+            self.add_leaves(grown, &trees, monitor)?;
         }
         if let Some(motion) = place.motion() {
-            for corner in self.triangles[first..].iter_mut().flatten().chain(self.feet.last_mut()) {
+            let feet = self.feet[first_foot..].iter_mut();
+            for corner in self.triangles[first..].iter_mut().flatten().chain(feet) {
                 *corner = motion.point(*corner);
             }
         }
         Ok(())
     }
 
-    fn add_leaves(&mut self, grown: &Grown, monitor: &dyn Monitor) -> Result<(), ScannerError> {
+    fn add_leaves(
+        &mut self,
+        grown: &Grown,
+        trees: &Trees<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ScannerError> {
         const PER_CHECK: usize = 4096;
         let (organs, skeleton) = (&*grown.organs, &*grown.skeleton);
         let mut axis_of = vec![0; skeleton.positions.len()];
@@ -155,14 +164,9 @@ impl Target {
             mesh.triangles.clear();
             shaper.add(organs, organ, &mut mesh);
             let axis = axis_of.get(organs.growth(organ).node as usize).copied().unwrap_or(0);
-            self.add_mesh(&mesh, &mesh.triangles, self.truth(skeleton, axis, WhatIsHit::Leaf));
+            self.add_mesh(&mesh, &mesh.triangles, trees.truth(axis, WhatIsHit::Leaf));
         }
         Ok(())
-    }
-
-    fn truth(&self, skeleton: &Skeleton, axis: u32, what: WhatIsHit) -> Truth {
-        let order = skeleton.axes.get(axis as usize).map_or(0, |axis| axis.order);
-        Truth { tree: self.feet.len() as u32, what, axis: axis as i32, order: order as i32 }
     }
 
     fn add_mesh(&mut self, mesh: &Mesh, triangles: &[[u32; 3]], truth: Truth) {
@@ -198,7 +202,7 @@ impl Target {
         }))
     }
 
-    /// The foot of each tree, in the order in which they were added.
+    /// The foot of each tree, in the order of their numbers.
     pub fn feet(&self) -> &[Vec3] {
         &self.feet
     }
@@ -221,5 +225,44 @@ impl Target {
         let nearest_m = stands.iter().map(off).fold(f64::INFINITY, f64::min);
         let radius_m = if self.feet.len() > 1 { widest_m } else { widest_m.min(0.9 * nearest_m) };
         Some(Ground { middle, radius_m, rise })
+    }
+}
+
+/// The trees of a skeleton that is being added.
+struct Trees<'a> {
+    skeleton: &'a Skeleton,
+    /// `None`: it is one.
+    index: Option<TreeIndex>,
+    /// How many trees were added before.
+    before: u32,
+}
+
+impl Trees<'_> {
+    /// The first foot of each.
+    fn feet(&self) -> Vec<Vec3> {
+        let Skeleton { positions, parents, .. } = self.skeleton;
+        let Some(index) = &self.index else {
+            let foot = self.skeleton.axes.iter().find_map(|axis| self.skeleton.nodes_of(axis).first());
+            return vec![foot.map_or(Vec3::ZERO, |&foot| positions[foot as usize])];
+        };
+        let mut feet = Vec::with_capacity(index.count);
+        let nodes = parents.iter().zip(positions).zip(&index.nodes);
+        for ((_, &position), [tree, _]) in nodes.filter(|((parent, _), _)| **parent == NO_PARENT) {
+            // They are numbered as their first feet come up.
+            if *tree as usize == feet.len() {
+                feet.push(position);
+            }
+        }
+        feet
+    }
+
+    fn truth(&self, axis: u32, what: WhatIsHit) -> Truth {
+        let order = self.skeleton.axes.get(axis as usize).map_or(0, |axis| axis.order);
+        let whole = [0, axis];
+        let [tree, axis] = match &self.index {
+            Some(index) => index.axes.get(axis as usize).copied().unwrap_or(whole),
+            None => whole,
+        };
+        Truth { tree: self.before + tree + 1, what, axis: axis as i32, order: order as i32 }
     }
 }

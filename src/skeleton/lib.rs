@@ -20,6 +20,7 @@ mod radii;
 pub mod refine;
 mod side;
 mod topology;
+mod trees;
 mod wood;
 mod young;
 
@@ -39,6 +40,7 @@ pub use radii::pipe::count_tips;
 pub use radii::{AxisRule, Girth, Span, Width, WidthSteps, Wood};
 pub use side::{AxisKind, SideWood};
 pub use topology::{BranchingAngle, Children, Streams, ratio_of_orders};
+pub use trees::TreeIndex;
 
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;
@@ -110,6 +112,9 @@ pub struct Skeleton {
     /// What bears out each radius, of a tree that was measured and not edited since; empty for others. Nodes beyond
     /// its end were added later.
     pub fits: Vec<RadiusFit>,
+    /// Of each foot, in the order of the nodes, the tree that it is of, where several grew together: feet of equal numbers
+    /// are stems of one tree. Empty: all are one ([`Skeleton::tree_index`]).
+    pub trees: Vec<u32>,
 }
 
 /// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
@@ -302,6 +307,7 @@ impl Skeleton {
             width_steps,
             marks,
             fits: Vec::new(),
+            trees: Vec::new(),
         };
         if let Some(is_dead) = is_dead {
             tree.kill(|tree, axis| tree.nodes_of(axis).first().is_some_and(|&base| is_dead[base as usize]));

@@ -125,10 +125,15 @@ impl Skeleton {
 
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let Self { positions, parents, radii, births, axes, axis_nodes, width_steps: _, marks, fits } = self;
+        let Self { positions, parents, radii, births, axes, axis_nodes, width_steps: _, marks, fits, trees } =
+            self;
         bytes_of::<[f32; 3]>(positions.capacity())
             + bytes_of::<u32>(
-                parents.capacity() + radii.capacity() + births.capacity() + axis_nodes.capacity(),
+                parents.capacity()
+                    + radii.capacity()
+                    + births.capacity()
+                    + axis_nodes.capacity()
+                    + trees.capacity(),
             )
             + bytes_of::<Axis>(axes.capacity())
             + marks.bytes()

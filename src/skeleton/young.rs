@@ -66,7 +66,8 @@ impl Skeleton {
         let Built { axes, axis_nodes, radii } =
             radii::build_young(self, &nodes, &positions, &parents, wood, key);
         let (width_steps, marks) = (self.width_steps, Marks::default());
-        Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks, fits: Vec::new() }
+        let (fits, trees) = (Vec::new(), self.trees_of_feet(|foot| there[foot]));
+        Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks, fits, trees }
     }
 
     /// How each of some nodes is joined to its parent.

@@ -247,6 +247,104 @@ fn trees_that_compete_for_light_have_longer_boles_and_crowns_that_keep_apart() {
     assert!(folder.read("again.glb") == one);
 }
 
+/// A column of a table, lines with `#` aside.
+fn column(table: &[u8], separator: &str, name: &str) -> Vec<String> {
+    let text = std::str::from_utf8(table).unwrap();
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let at = lines.next().unwrap().split(separator).position(|found| found == name).unwrap();
+    lines.map(|line| line.split(separator).nth(at).unwrap().to_owned()).collect()
+}
+
+/// The numbers of a column, each once for each run of rows.
+fn runs(table: &[u8], separator: &str, name: &str) -> Vec<usize> {
+    let mut all: Vec<usize> =
+        column(table, separator, name).iter().map(|field| field.parse().unwrap()).collect();
+    all.dedup();
+    all
+}
+
+/// Hazels have several stems on a stool, which are one tree.
+#[test]
+fn trees_of_a_stand_are_numbered_in_all_tables_and_scans() {
+    let folder = Folder::new();
+    folder.write(
+        "stand.toml",
+        "area = 10\nspacing = 3\ntrees = 5\nseed = 3\ncompete = true\n[[tree]]\npreset = \"so-hazel\"\n\
+         set = { years = 5, stems = 3 }\n",
+    );
+    let tables = ["-o", "a.csv", "-o", "a.organs.csv", "-o", "a.mtg"];
+    folder.run(&[&["forest", "stand.toml"][..], &tables].concat()).done();
+    let all = folder.read("a.csv");
+    let numbers: Vec<usize> = (1..=5).collect();
+    assert_eq!(runs(&all, ",", "tree"), numbers);
+    // Ids and nodes begin again in each, and so does the parent 0 of what stands on the ground: three stems each.
+    let [trees, ids, parents, nodes] = ["tree", "id", "parent", "node"].map(|name| column(&all, ",", name));
+    for number in &numbers {
+        let rows: Vec<usize> = (0..trees.len()).filter(|&row| trees[row] == number.to_string()).collect();
+        for (index, &row) in rows.iter().enumerate() {
+            assert_eq!(ids[row], (index + 1).to_string());
+        }
+        let highest = rows.iter().map(|&row| nodes[row].parse::<usize>().unwrap()).max().unwrap();
+        let feet = rows.iter().filter(|&&row| parents[row] == "0").count();
+        assert!(feet >= 3 && highest < rows.len() + feet, "{number}: {feet} {highest}");
+    }
+
+    // An organ's node is one of its tree, near to where the organ is attached.
+    let organs = folder.read("a.organs.csv");
+    assert_eq!(runs(&organs, ",", "tree"), numbers);
+    let ends: BTreeMap<(String, String), [f64; 3]> = {
+        let of = |name: &str| -> Vec<f64> {
+            column(&all, ",", name).iter().map(|field| field.parse().unwrap()).collect()
+        };
+        let start = ["start_x_m", "start_y_m", "start_z_m"].map(of);
+        let axis = ["axis_x", "axis_y", "axis_z"].map(of);
+        let length = of("length_m");
+        let end = |row: usize| [0, 1, 2].map(|i| start[i][row] + axis[i][row] * length[row]);
+        (0..trees.len()).map(|row| ((trees[row].clone(), nodes[row].clone()), end(row))).collect()
+    };
+    let places = ["x_m", "y_m", "z_m"].map(|name| column(&organs, ",", name));
+    let keys = column(&organs, ",", "tree").into_iter().zip(column(&organs, ",", "node"));
+    for (row, key) in keys.enumerate() {
+        // No cylinder ends at a foot.
+        let Some(end) = ends.get(&key) else { continue };
+        let off = |i: usize| (places[i][row].parse::<f64>().unwrap() - end[i]).abs();
+        assert!((0..3).all(|i| off(i) < 0.5), "{key:?}");
+    }
+    let graph = String::from_utf8(folder.read("a.mtg")).unwrap();
+    let plants: Vec<&str> = graph.lines().filter(|line| line.starts_with("/P")).collect();
+    assert_eq!(plants.len(), 5);
+    assert!(plants.iter().zip(1..).all(|(line, number)| line.starts_with(&format!("/P{number}\t"))));
+
+    let simple = ["-o", "s.csv", "--set", "qsm.dialect=simpleforest", "--set", "qsm.comments=false"];
+    folder.run(&[&["forest", "stand.toml"][..], &simple].concat()).done();
+    assert_eq!(runs(&folder.read("s.csv"), ", ", "treeID"), numbers);
+    // Read again, they are the same trees.
+    folder.run(&["export", "s.csv", "-o", "back.csv"]).done();
+    assert_eq!(runs(&folder.read("back.csv"), ",", "tree"), numbers);
+
+    let scan = ["scan", "stand.toml", "-o", "p.ply", "--truth", "truth.csv", "--step", "0.5", "--beam", "0"];
+    folder.run(&scan).done();
+    let truth = folder.read("truth.csv");
+    assert_eq!(runs(&truth, ",", "tree"), numbers);
+    // Each has the length of its cylinders, and stands at the foot of one of its stems.
+    let lengths = column(&all, ",", "length_m");
+    let foot = ["foot_x_m", "foot_z_m"].map(|name| column(&truth, ",", name));
+    for (index, length) in column(&truth, ",", "length_m").iter().enumerate() {
+        let of_tree = |row: &usize| trees[*row] == (index + 1).to_string();
+        let rows: Vec<usize> = (0..trees.len()).filter(of_tree).collect();
+        let sum: f64 = rows.iter().map(|&row| lengths[row].parse::<f64>().unwrap()).sum();
+        assert!((length.parse::<f64>().unwrap() - sum).abs() < 2e-3, "{length} {sum}");
+        let near = |row: &usize| {
+            let at =
+                ["start_x_m", "start_z_m"].map(|name| column(&all, ",", name)[*row].parse::<f64>().unwrap());
+            (0..2).all(|i| (at[i] - foot[i][index].parse::<f64>().unwrap()).abs() < 1e-3)
+        };
+        assert!(rows.iter().filter(|&&row| parents[row] == "0").any(near), "tree {}", index + 1);
+    }
+    let said = folder.run(&["scan", "grove", "--distance", "1", "-o", "g.ply", "--step", "2"]);
+    assert!(said.code == Some(2) && said.err.contains("--distance is for one tree"), "{}", said.err);
+}
+
 #[test]
 fn trees_that_died_for_want_of_light_are_told() {
     let folder = Folder::new();

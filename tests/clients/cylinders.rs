@@ -76,55 +76,78 @@ fn frusta_m3(skeleton: &Skeleton) -> f64 {
 
 #[test]
 fn every_preset_is_its_table_of_cylinders() {
+    let mut several = Vec::new();
     for builtin in builtins() {
         let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
         let text = table(Arc::clone(&skeleton), &[]);
         let (comments, rows) = read(&text);
-        let (id, measures) = (builtin.id, skeleton.measures());
+        let id = builtin.id;
         assert!(comments.iter().any(|line| line.strip_prefix("recipe: ") == Some(RECIPE)));
         assert_eq!(rows.len(), skeleton.segments(), "{id}");
-
-        let length: f64 = rows.iter().map(|row| row.number("length_m")).sum();
-        assert!((length / measures.total_length_m - 1.0).abs() < 1e-6, "{id}: {length} {measures:?}");
-        let volume: f64 = rows
-            .iter()
-            .map(|row| PI * row.number("radius_m") * row.number("radius_m") * row.number("length_m"))
-            .sum();
-        for expected in [measures.wood_volume_m3, frusta_m3(&skeleton)] {
-            assert!((volume / expected - 1.0).abs() < 1e-5, "{id}: {volume} {expected}");
+        // Several trees are as many tables, one after the other.
+        let trees: Vec<Skeleton> = match skeleton.tree_index() {
+            Some(index) => skeleton.split(&index),
+            None => vec![Skeleton::clone(&skeleton)],
+        };
+        if trees.len() > 1 {
+            several.push((id, trees.len()));
         }
-        let order = rows.iter().map(|row| row.index("branch_order")).max().unwrap();
-        assert_eq!(order, measures.max_order as usize, "{id}");
-
-        // Nodes are the tree's, and the frusta between both radii hold what the cylinders hold.
-        let mut frusta = 0.0;
-        for row in &rows {
-            let (node, parent) = (row.index("node"), row.index("parent_node"));
-            assert_eq!(skeleton.parents[node] as usize, parent, "{id}");
-            assert_eq!(row.index("parent") == 0, skeleton.parents[parent] == NO_PARENT, "{id}");
-            let [lower, upper] = ["start_radius_m", "end_radius_m"].map(|name| row.number(name));
-            assert_eq!(upper as f32, skeleton.radii[node], "{id}");
-            frusta += PI / 3.0 * row.number("length_m") * (lower * lower + lower * upper + upper * upper);
+        let tables: Vec<&[Row]> = rows.chunk_by(|a, b| a.index("tree") == b.index("tree")).collect();
+        assert_eq!(tables.len(), trees.len(), "{id}");
+        for (number, (rows, tree)) in (1..).zip(tables.into_iter().zip(&trees)) {
+            assert_eq!(rows[0].index("tree"), number, "{id}");
+            check(id, tree, rows);
         }
-        assert!((frusta / measures.wood_volume_m3 - 1.0).abs() < 1e-5, "{id}: {frusta}");
+    }
+    // The stems of a stool are one tree.
+    assert_eq!(several, [("clipped-arch", 2), ("grove", 3)]);
+}
 
-        // Each stands on the one that it names, and continues its branch or starts the next order.
-        let size = f64::from(skeleton.positions.iter().fold(0.0_f32, |m, p| m.max(p.abs().max_element())));
-        for (i, row) in rows.iter().enumerate() {
-            assert_eq!(row.index("id"), i + 1, "{id}");
-            assert!((row.place("axis", "").length() - 1.0).abs() < 1e-5, "{id} {i}");
-            let Some(below) = row.index("parent").checked_sub(1).map(|parent| &rows[parent]) else {
-                continue;
-            };
-            assert!(row.index("parent") <= i, "{id}: parents come first");
-            assert!(below.end().distance(row.place("start", "_m")) < 1e-5 * (1.0 + size), "{id} {i}");
-            let continues = below.index("branch") == row.index("branch");
-            let steps = ["branch_order", "position_in_branch"].map(|c| row.number(c) - below.number(c));
-            if continues {
-                assert_eq!(steps, [0.0, 1.0], "{id} {i}");
-            } else {
-                assert_eq!((steps[0], row.index("position_in_branch")), (1.0, 1), "{id} {i}");
-            }
+/// The rows of a tree against its skeleton.
+fn check(id: &str, skeleton: &Skeleton, rows: &[Row]) {
+    let measures = skeleton.measures();
+    assert_eq!(rows.len(), skeleton.segments(), "{id}");
+
+    let length: f64 = rows.iter().map(|row| row.number("length_m")).sum();
+    assert!((length / measures.total_length_m - 1.0).abs() < 1e-6, "{id}: {length} {measures:?}");
+    let volume: f64 = rows
+        .iter()
+        .map(|row| PI * row.number("radius_m") * row.number("radius_m") * row.number("length_m"))
+        .sum();
+    for expected in [measures.wood_volume_m3, frusta_m3(skeleton)] {
+        assert!((volume / expected - 1.0).abs() < 1e-5, "{id}: {volume} {expected}");
+    }
+    let order = rows.iter().map(|row| row.index("branch_order")).max().unwrap();
+    assert_eq!(order, measures.max_order as usize, "{id}");
+
+    // Nodes are the tree's, and the frusta between both radii hold what the cylinders hold.
+    let mut frusta = 0.0;
+    for row in rows {
+        let (node, parent) = (row.index("node"), row.index("parent_node"));
+        assert_eq!(skeleton.parents[node] as usize, parent, "{id}");
+        assert_eq!(row.index("parent") == 0, skeleton.parents[parent] == NO_PARENT, "{id}");
+        let [lower, upper] = ["start_radius_m", "end_radius_m"].map(|name| row.number(name));
+        assert_eq!(upper as f32, skeleton.radii[node], "{id}");
+        frusta += PI / 3.0 * row.number("length_m") * (lower * lower + lower * upper + upper * upper);
+    }
+    assert!((frusta / measures.wood_volume_m3 - 1.0).abs() < 1e-5, "{id}: {frusta}");
+
+    // Each stands on the one that it names, and continues its branch or starts the next order.
+    let size = f64::from(skeleton.positions.iter().fold(0.0_f32, |m, p| m.max(p.abs().max_element())));
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row.index("id"), i + 1, "{id}");
+        assert!((row.place("axis", "").length() - 1.0).abs() < 1e-5, "{id} {i}");
+        let Some(below) = row.index("parent").checked_sub(1).map(|parent| &rows[parent]) else {
+            continue;
+        };
+        assert!(row.index("parent") <= i, "{id}: parents come first");
+        assert!(below.end().distance(row.place("start", "_m")) < 1e-5 * (1.0 + size), "{id} {i}");
+        let continues = below.index("branch") == row.index("branch");
+        let steps = ["branch_order", "position_in_branch"].map(|c| row.number(c) - below.number(c));
+        if continues {
+            assert_eq!(steps, [0.0, 1.0], "{id} {i}");
+        } else {
+            assert_eq!((steps[0], row.index("position_in_branch")), (1.0, 1), "{id} {i}");
         }
     }
 }

@@ -15,6 +15,8 @@ use linden_tests::presets::recipe;
 
 #[derive(Debug)]
 struct Internode {
+    /// Counted from 0.
+    plant: usize,
     axis: usize,
     /// The internode below, of any axis, and how it is joined to that.
     below: Option<(usize, char)>,
@@ -59,10 +61,18 @@ fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>, Vec<Organ>) {
     let number = |name: &str, text: &str| Some((name.to_owned(), text.parse().ok()?));
     // By column: the axis there, and its last internode.
     let mut open: Vec<(usize, Option<usize>)> = Vec::new();
+    let mut plant = 0;
+    assert!(code[1].starts_with("/P1\t"));
     for line in &code[2..] {
         let column = line.len() - line.trim_start_matches('\t').len();
         let fields: Vec<&str> = line.split('\t').collect();
         let entity = fields[column];
+        if let Some(number) = entity.strip_prefix("/P") {
+            plant += 1;
+            assert_eq!(number.parse(), Ok(plant + 1));
+            open.clear();
+            continue;
+        }
         open.truncate(column);
         if let Some(number) = entity.strip_prefix("+A").or(entity.strip_prefix("/A")) {
             number.parse::<u32>().unwrap();
@@ -91,7 +101,7 @@ fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>, Vec<Organ>) {
         let below = last.or(axes[axis]).map(|node| (node, joined));
         let [x, y, z] = ["XX", "YY", "ZZ"].map(|name| features[name] as f32);
         open.last_mut().unwrap().1 = Some(internodes.len());
-        internodes.push(Internode { axis, below, place: Vec3::new(x, z, -y), features });
+        internodes.push(Internode { plant, axis, below, place: Vec3::new(x, z, -y), features });
     }
     (axes, internodes, organs)
 }
@@ -115,7 +125,15 @@ fn every_preset_is_its_graph() {
         let (axes, internodes, organs) = read(&text);
         assert!(organs.is_empty(), "{id}");
         assert_eq!(internodes.len(), skeleton.segments(), "{id}");
-        let of = |internode: &Internode| internode.features["node"] as usize;
+        // Nodes are numbered anew in each of several trees.
+        let index = skeleton.tree_index();
+        let names: BTreeMap<[u32; 2], usize> = match &index {
+            Some(index) => index.nodes.iter().copied().zip(0..).collect(),
+            None => (0..skeleton.parents.len()).map(|node| ([0, node as u32], node)).collect(),
+        };
+        let of = |internode: &Internode| names[&[internode.plant as u32, internode.features["node"] as u32]];
+        let plants = internodes.last().unwrap().plant + 1;
+        assert_eq!(plants, index.as_ref().map_or(1, |index| index.count), "{id}");
         let mut axis_of = vec![usize::MAX; skeleton.parents.len()];
         for (index, axis) in skeleton.axes.iter().enumerate() {
             skeleton.nodes_of(axis).iter().for_each(|&node| axis_of[node as usize] = index);

@@ -43,24 +43,35 @@ fn topology_follows_from_parents_and_relations() {
         let column = |name: &str| names.iter().position(|known| known == name).unwrap();
         let numbers = |name: &str| -> Vec<i64> { rows.iter().map(|row| row[column(name)] as i64).collect() };
         let [parents, axes, places] = ["parent", "axis", "position_in_axis"].map(numbers);
-        let [orders, strahler, branches] = ["order", "strahler", "branches"].map(numbers);
-        assert!(numbers("tree").iter().all(|&tree| tree == 1), "{id}");
+        let [orders, strahler, branches, trees] = ["order", "strahler", "branches", "tree"].map(numbers);
+        // Tree by tree, each with its nodes in their order, and its axes from 0.
+        let index = skeleton.tree_index();
+        assert_eq!(index.as_ref().map_or(1, |index| index.count), if id == "grove" { 3 } else { 1 });
+        let mut order: Vec<usize> = (0..rows.len()).collect();
+        order.sort_by_key(|&node| index.as_ref().map_or(0, |index| index.nodes[node][0]));
+        let tree = |&node: &usize| index.as_ref().map_or(1, |index| i64::from(index.nodes[node][0]) + 1);
+        assert!(trees.iter().copied().eq(order.iter().map(tree)), "{id}");
+        let mut row_of = vec![0; rows.len()];
+        for (row, &node) in order.iter().enumerate() {
+            row_of[node] = row as i64;
+        }
 
         let mut children: Vec<Vec<usize>> = vec![Vec::new(); rows.len()];
         let mut begun = Vec::new();
         for (node, &parent) in parents.iter().enumerate() {
-            let expected = skeleton.parents[node];
-            assert_eq!(parent, if expected == NO_PARENT { -1 } else { i64::from(expected) }, "{id} {node}");
+            let expected = skeleton.parents[order[node]];
+            let expected = if expected == NO_PARENT { -1 } else { row_of[expected as usize] };
+            assert_eq!(parent, expected, "{id} {node}");
             let own = (axes[node], orders[node], places[node]);
             if parent < 0 {
                 assert_eq!((own.1, own.2, branches[node]), (0, 0, 0), "{id} {node}: a foot");
-                begun.push(own.0);
+                begun.push((trees[node], own.0));
                 continue;
             }
             let below = parent as usize;
             children[below].push(node);
             if branches[node] == 1 {
-                begun.push(own.0);
+                begun.push((trees[node], own.0));
                 assert_eq!((own.1, own.2), (orders[below] + 1, 1), "{id} {node}: a lateral begins");
             } else {
                 assert_eq!(own, (axes[below], orders[below], places[below] + 1), "{id} {node}: it goes on");
@@ -68,7 +79,10 @@ fn topology_follows_from_parents_and_relations() {
         }
         // Each axis begins once, and no node has two successors.
         begun.sort_unstable();
-        assert!(begun.iter().copied().eq(0..skeleton.axes.len() as i64), "{id}");
+        assert_eq!(begun.len(), skeleton.axes.len(), "{id}");
+        for of_tree in begun.chunk_by(|a, b| a.0 == b.0) {
+            assert!(of_tree.iter().map(|(_, axis)| *axis).eq(0..of_tree.len() as i64), "{id}");
+        }
         for (node, children) in children.iter().enumerate().rev() {
             assert!(children.iter().filter(|&&child| branches[child] == 0).count() <= 1, "{id} {node}");
             let mut above: Vec<i64> = children.iter().map(|&child| strahler[child]).collect();

@@ -10,6 +10,7 @@ use linden::preset::Preset;
 use linden::scanner::sizes::TreeSizes;
 use linden::scanner::{self, ScannerError, ScannerSettings, Target, laz, ply};
 use linden::surface::Tubes;
+use linden::{Skeleton, Vec3};
 use linden_exporters::commit_all;
 
 use super::GrowArgs;
@@ -59,7 +60,7 @@ pub struct Scan {
     #[arg(long, value_name = "N", default_value_t = ScannerSettings::default().positions)]
     positions: u32,
 
-    /// From the tree to each stand, in heights of the tree: 0.1 to 20; 0.8 when not given. Not for forests
+    /// From the tree to each stand, in heights of the tree: 0.1 to 20; 0.8 when not given. Not for several trees
     #[arg(long, value_name = "X", allow_negative_numbers = true)]
     distance: Option<f64>,
 
@@ -236,7 +237,14 @@ impl Scan {
                 }
                 let tubes = tubes(pairs, &source.recipe.preset, SIDES);
                 target.add(&grown, &tubes, self.leaves, progress).with_context(|| source.shown.clone())?;
-                truth += &truth_row(&target, &source.recipe.preset, &TreeSizes::of(&grown.skeleton));
+                let trees = target.feet().len();
+                if trees > 1 && self.distance.is_some() {
+                    return Err(usage(format!(
+                        "--distance is for one tree: {} has {trees}, among which the stands are spread; --positions says how many",
+                        source.shown
+                    )));
+                }
+                truth += &truth_rows(target.feet(), 0, &source.recipe.preset, &grown.skeleton, 1.0);
             }
             Subject::Forest(source) => {
                 let forest = &source.forest;
@@ -253,10 +261,11 @@ impl Scan {
                 for place in &plan.places {
                     let (preset, one) = (&plan.trees[place.plant].recipe.preset, &grown[place.plant]);
                     let tubes = tubes(pairs, preset, SIDES_IN_A_FOREST);
+                    let before = target.feet().len();
                     target
                         .add_at(&settings.on_slope(*place), one, &tubes, self.leaves, progress)
                         .with_context(|| plan.trees[place.plant].name.clone())?;
-                    truth += &truth_row(&target, preset, &TreeSizes::scaled(&one.skeleton, place.scale));
+                    truth += &truth_rows(target.feet(), before, preset, &one.skeleton, place.scale);
                 }
             }
         }
@@ -331,11 +340,15 @@ fn tubes(turned: &[(String, String)], preset: &Preset, sides: u32) -> Tubes {
     tubes
 }
 
-/// The row of the tree that was added last.
-fn truth_row(target: &Target, preset: &Preset, sizes: &TreeSizes) -> String {
+/// The rows of a plant's trees, which came behind so many others. `feet` are those of all.
+fn truth_rows(feet: &[Vec3], before: usize, preset: &Preset, skeleton: &Skeleton, scale: f32) -> String {
     // Ids of presets are words; what is not cannot be quoted wrongly either.
     let id: String = preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
-    let foot = target.feet().last().copied().unwrap_or_default();
-    let place = format!("{:.4},{:.4},{:.4}", foot.x, foot.y, foot.z);
-    format!("{},{id},{},{place},{}\n", target.feet().len(), preset.seed(), sizes.row())
+    let mut rows = String::new();
+    let trees = feet.iter().enumerate().skip(before).zip(TreeSizes::of_trees(skeleton, scale));
+    for ((index, foot), sizes) in trees {
+        let place = format!("{:.4},{:.4},{:.4}", foot.x, foot.y, foot.z);
+        rows += &format!("{},{id},{},{place},{}\n", index + 1, preset.seed(), sizes.row());
+    }
+    rows
 }

@@ -232,7 +232,10 @@ impl Settings for Colonization {
         let grow = || -> Result<Branched, ColonizationError> {
             let standing = Standing::new(self, task.seed, task.inputs, monitor)?;
             let site = standing.fill(self, task.key(), monitor)?;
-            Ok(grow_at(site, &self.growth, monitor)?.branched(&self.growth))
+            // A root is a tree: that of the crown, of a part, of a shell of the envelope.
+            let roots = 1 + site.grove.others.len() as u32;
+            let branched = grow_at(site, &self.growth, monitor)?.branched(&self.growth);
+            Ok(Branched { trees: if roots > 1 { (0..roots).collect() } else { Vec::new() }, ..branched })
         };
         Ok(grow()?)
     }

@@ -83,7 +83,7 @@ impl QsmSettings {
             "table_tree",
             integer(0, 1_000_000),
             "",
-            "which tree of a table of cylinders, from 1 in the order of the file; 0: all of them, each a stem",
+            "which tree of a table of cylinders, from 1 in the order of the file; 0: all of them, which tables number again",
             table_tree
         ),
         field!(
@@ -240,8 +240,10 @@ impl Settings for QsmSettings {
             ));
         }
         notes.extend(builder.note());
+        let trees = if chosen.len() > 1 { builder.trees().to_vec() } else { Vec::new() };
         Ok(Branched {
             branching: builder.finish(),
+            trees,
             most_nodes: u64::from(u32::MAX),
             notes,
             ..Branched::default()

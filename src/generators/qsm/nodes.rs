@@ -26,6 +26,8 @@ pub(crate) struct Builder {
     goes_on: Vec<bool>,
     links: usize,
     links_m: f64,
+    /// Of each foot the table's tree, from 0.
+    trees: Vec<u32>,
 }
 
 impl Builder {
@@ -41,6 +43,7 @@ impl Builder {
             goes_on: Vec::new(),
             links: 0,
             links_m: 0.0,
+            trees: Vec::new(),
         }
     }
 
@@ -68,9 +71,13 @@ impl Builder {
 
     /// Adds a tree; parents before children.
     pub fn add(&mut self, rows: &[CylinderRow]) {
+        let first = self.branching.parents.len();
         if !self.add_numbered(rows) {
             self.add_joined(rows);
         }
+        let tree = self.trees.last().map_or(0, |tree| tree + 1);
+        let added = &self.branching.parents[first..];
+        self.trees.extend(added.iter().filter(|parent| **parent == NO_PARENT).map(|_| tree));
     }
 
     /// A tree whose nodes have numbers, in their order; `false` where these make no tree.
@@ -197,6 +204,11 @@ impl Builder {
                 self.links, self.links_m
             )
         })
+    }
+
+    /// Of each foot the table's tree, from 0.
+    pub fn trees(&self) -> &[u32] {
+        &self.trees
     }
 
     pub fn finish(self) -> Branching {

@@ -16,7 +16,7 @@ use linden_skeleton::{AxisRule, Wood};
 
 use crate::obstacle::Obstacle;
 use crate::sample::FirstTrees;
-use crate::{Barriers, Neighbour, Planted, SelfOrganizing, grow_among, obstacle, stand};
+use crate::{Barriers, Grown, Neighbour, Planted, SelfOrganizing, grow_among, obstacle, stand};
 
 /// Trees whose buds compete for light.
 pub const GENERATOR: &dyn Generator = &SelfOrganizingTrees;
@@ -198,7 +198,8 @@ impl Settings for SelfOrganizing {
         let barred =
             (!barriers.is_empty()).then(|| -> Barred { Box::new(move |p| barriers.hold(p.as_dvec3())) });
         let most_nodes = self.max_nodes.into();
-        Ok(Branched { branching: grown.branching, most_nodes, barred, notes, ..Branched::default() })
+        let Grown { branching, trees, .. } = grown;
+        Ok(Branched { branching, most_nodes, barred, trees, notes, ..Branched::default() })
     }
 
     /// The obstacles.

@@ -29,6 +29,8 @@ pub struct Grown {
     pub shed: u64,
     /// Stems that died for want of light, of which nothing is left; a tree has [`SelfOrganizing::stems`].
     pub died: usize,
+    /// Of each foot, in the order of the nodes, the number of its tree, from 0; empty where one was planted.
+    pub trees: Vec<u32>,
 }
 
 /// A tree that is to grow.
@@ -105,7 +107,10 @@ pub fn grow_among(
     let mut growth = Growth { barriers, ..Growth::new(settings) };
     let places: Vec<Vec3> = stems.iter().map(|(stem, _)| in_space(stem.foot).as_vec3()).collect();
     growth.light.stand_behind(barriers, settings, &places, monitor)?;
-    for (stem, felled_in) in &stems {
+    for (number, (stem, felled_in)) in stems.iter().enumerate() {
+        if trees.len() > 1 {
+            growth.planted.push((stem.key, number as u32 / settings.stems));
+        }
         growth.fellings.extend((*felled_in > 0).then_some((*felled_in, stem.key)));
         let turn = in_space(stem.key.named("turn").on_circle());
         growth.plant(in_space(stem.foot) / settings.internode_m + CENTRE, stem.direction, turn, stem.key);
@@ -167,6 +172,8 @@ pub(crate) struct Growth<'a> {
     fellings: Vec<(u32, Key)>,
     /// Stems that were felled.
     felled: usize,
+    /// The keys of all feet, in their order, with the numbers of their trees; empty where there is one tree.
+    planted: Vec<(Key, u32)>,
 }
 
 impl<'a> Growth<'a> {
@@ -174,8 +181,8 @@ impl<'a> Growth<'a> {
         /// In the open.
         static NONE: Barriers = Barriers::none();
         let (nodes, light) = (Nodes::default(), Light::new(settings));
-        let fellings = Vec::new();
-        Self { settings, barriers: &NONE, nodes, light, year: 0, shed: 0, fellings, felled: 0 }
+        let (fellings, planted) = (Vec::new(), Vec::new());
+        Self { settings, barriers: &NONE, nodes, light, year: 0, shed: 0, fellings, felled: 0, planted }
     }
 
     /// Adds a seedling: a foot, in voxels, where its apex looks, and the side of its first bud.
@@ -327,6 +334,7 @@ impl<'a> Growth<'a> {
     /// The trees in metres.
     pub fn finish(mut self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
         self.drop_seedlings();
+        let trees = self.trees();
         let Self { settings, barriers, nodes, shed, .. } = self;
         monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
         let pipes = nodes.pipes();
@@ -352,6 +360,18 @@ impl<'a> Growth<'a> {
             parents: nodes.parents,
             births: nodes.births,
         };
-        Ok(Grown { branching, shed, died: 0 })
+        Ok(Grown { branching, shed, died: 0, trees })
+    }
+
+    /// The tree of each foot that is still there. Feet keep their order.
+    fn trees(&self) -> Vec<u32> {
+        if self.planted.is_empty() {
+            return Vec::new();
+        }
+        let mut planted = self.planted.iter();
+        let feet = (0..self.nodes.len()).filter(|&node| self.nodes.is_foot(node));
+        let tree =
+            |foot: usize| planted.find(|(key, _)| *key == self.nodes.keys[foot]).map(|(_, tree)| *tree);
+        feet.map_while(tree).collect()
     }
 }

@@ -118,6 +118,7 @@ impl<'a> Wood<'a> {
             width_steps: whole.width_steps,
             marks: Marks { tips: whole.marks.tips, ..Marks::default() },
             fits: Vec::new(),
+            trees: whole.trees_of_feet(|foot| keep[foot]),
         };
         // Where a node is in the thinner tree, or else the nearest node below it that stays.
         let mut new = vec![NO_PARENT; keep.len()];

@@ -1,5 +1,7 @@
 //! The tree while it is edited: axes and nodes keep their numbers, and new ones come behind.
 
+use std::collections::BTreeMap;
+
 use glam::{DQuat, DVec3};
 use linden_base::knob::FARTHEST;
 use linden_base::memory::{OverMemory, bytes_of};
@@ -270,6 +272,7 @@ impl<'a> Workpiece<'a> {
             width_steps: self.grown.width_steps,
             marks: Marks { tips: Some(self.tips), ..Marks::default() },
             fits: Vec::new(),
+            trees: self.trees(&order),
         };
         let factor = |n: &u32| {
             let WorkNode { radius_m, origin, .. } = node(n);
@@ -295,6 +298,24 @@ impl<'a> Workpiece<'a> {
         }
         skeleton.marks.cuts.sort_unstable();
         (skeleton, origins, moves)
+    }
+
+    /// The tree of each foot among some nodes, in their order: that of the node that it is from.
+    fn trees(&self, order: &[u32]) -> Vec<u32> {
+        if self.grown.trees.is_empty() {
+            return Vec::new();
+        }
+        let feet = (0_u32..).zip(&self.grown.parents).filter(|(_, parent)| **parent == NO_PARENT);
+        let of_feet: BTreeMap<u32, u32> =
+            feet.map(|(foot, _)| foot).zip(self.grown.trees.iter().copied()).collect();
+        let tree = |&node: &u32| {
+            let mut root = self.nodes[node as usize].origin;
+            while self.grown.parents[root as usize] != NO_PARENT {
+                root = self.grown.parents[root as usize];
+            }
+            of_feet.get(&root).copied().unwrap_or_default()
+        };
+        order.iter().filter(|&&node| self.nodes[node as usize].parent == NO_PARENT).map(tree).collect()
     }
 
     fn stays(&self) -> Vec<bool> {

@@ -48,6 +48,7 @@ impl Origins {
             width_steps: skeleton.width_steps,
             marks: Marks { tips: skeleton.marks.tips, ..Marks::default() },
             fits: Vec::new(),
+            trees: skeleton.trees_of_feet(|foot| there[foot]),
         };
         let mut origins = Self {
             nodes: kept.iter().map(|&node| self.nodes[node]).collect(),

@@ -30,6 +30,8 @@ pub struct Branched {
     pub symbols: Option<u64>,
     /// The attraction points, and how many were reached.
     pub colonized: Option<Colonized>,
+    /// Of each foot, in the order of the nodes, the tree that it is of, where several grew: [`Skeleton::trees`].
+    pub trees: Vec<u32>,
     /// Messages for the user: limits that were hit, meshes that are open.
     pub notes: Vec<String>,
 }
