@@ -33,7 +33,7 @@ pub use asset::{
 pub use config::{Config, ConfigError};
 pub use finding::{Finding, NotLooked, Numbers, Report, Severity};
 pub use profile::{PROFILES, Profile};
-pub use read::{Beside, NoFiles, ReadError, read};
+pub use read::{Beside, ENDINGS, NoFiles, ReadError, read};
 pub use rules::{Limit, RULES, Rule};
 
 /// Applies all rules that a configuration has on.

@@ -117,6 +117,45 @@ fn binary_usd_has_the_report_of_text() {
     }
 }
 
+/// Folders, files by their names, and what is not there, in one line.
+#[test]
+fn folders_are_looked_through_and_what_is_missing_stops_nothing() {
+    let folder = Folder::new();
+    let model = "o tree\nv 0 0 0\nv 1 0 0\nv 0 2 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
+    std::fs::create_dir_all(folder.file("trees/oaks")).unwrap();
+    std::fs::create_dir(folder.file("none")).unwrap();
+    for name in ["trees/a.obj", "trees/oaks/b_LOD0.obj", "trees/oaks/b_LOD1.obj"] {
+        folder.write(name, model);
+    }
+    // Neither a model nor called like one.
+    folder.write("trees/trees.csv", "number\n1\n");
+    folder.write("none/notes.txt", "no tree");
+    folder.write("trees/points.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n0 0 0\n");
+    let files = |report: &Value, key: &str| -> Vec<String> {
+        report[key].as_array().unwrap().iter().map(|row| row["file"].as_str().unwrap().to_owned()).collect()
+    };
+    let (said, report) = lint(&folder, &["trees", "trees/a.obj"]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    assert_eq!(files(&report, "files"), ["trees/a.obj", "trees/oaks/b.obj"]);
+    assert_eq!(files(&report, "passed_over"), ["trees/points.ply"]);
+    assert!(said.err.contains("note: trees/points.ply: passed over: "), "{}", said.err);
+    let (said, report) = lint(&folder, &["trees/points.ply"]);
+    assert_eq!((said.code, files(&report, "failed").len()), (Some(1), 1), "{}", said.err);
+
+    folder.write("trees/broken.glb", "glTF");
+    let (said, report) = lint(&folder, &["missing.glb", "none", "trees"]);
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert_eq!(files(&report, "files"), ["trees/a.obj", "trees/oaks/b.obj"]);
+    assert_eq!(files(&report, "failed"), ["missing.glb", "none", "trees/broken.glb"]);
+    for part in [
+        "missing.glb: there is no such file or folder",
+        "none: there is no model in the folder",
+        "3 files could not be looked at",
+    ] {
+        assert!(said.err.contains(part), "{}", said.err);
+    }
+}
+
 #[test]
 fn exit_codes_are_for_scripts() {
     let folder = Folder::new();
@@ -138,8 +177,6 @@ fn exit_codes_are_for_scripts() {
         (&["a.obj", "--config", "r.toml"][..], "did you mean 'degenerate'?"),
         (&["a.obj", "--profile", "desk"], "desktop"),
         (&["a.obj", "--set", "triangles.max=many"], "no number"),
-        (&["b.obj"], "no file"),
-        (&["."], "directory"),
         (&[], "required"),
     ] {
         let said = folder.run(&[&["lint"], args].concat());

@@ -37,6 +37,7 @@ mod stats;
 mod sweep;
 mod timings;
 mod verify;
+mod walk;
 mod workbench;
 
 use std::cell::LazyCell;

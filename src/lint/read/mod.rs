@@ -40,8 +40,6 @@ pub enum ReadError {
     #[error("it is none of the formats that are looked at: glTF, GLB, OBJ, PLY, USD{0}")]
     Format(&'static str),
     /// The file is broken.
-    /// The file is broken.
-    /// The file is broken.
     #[error("{format}: {problem}")]
     Broken {
         /// Which one.
@@ -49,6 +47,9 @@ pub enum ReadError {
         /// For people.
         problem: String,
     },
+    /// It is whole, and holds no mesh: points, a skeleton, a layer whose model is in another file.
+    #[error("{0}: there are no triangles in it")]
+    NoTriangles(&'static str),
     /// It would take too much memory.
     #[error(transparent)]
     Memory(#[from] OverMemory),
@@ -72,6 +73,9 @@ impl From<InputError> for ReadError {
         }
     }
 }
+
+/// How the names of files end that [`read`] may read, in small letters.
+pub const ENDINGS: [&str; 8] = ["glb", "gltf", "obj", "ply", "usd", "usda", "usdc", "usdz"];
 
 /// The most places of all meshes together: more than a forest has.
 const MOST_PLACES: usize = 2_000_000;
@@ -101,7 +105,7 @@ pub fn read(
         FileFormat::Usd => usd::read(&mut asset, bytes, beside, monitor)?,
     }
     if asset.meshes.is_empty() {
-        return Err(ReadError::broken(format.name(), "there are no triangles in it"));
+        return Err(ReadError::NoTriangles(format.name()));
     }
     Ok(asset)
 }

@@ -4,9 +4,10 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
-use linden_lint::{Asset, Beside};
+use linden_lint::{Asset, Beside, ENDINGS};
 
-use crate::exit::{sentence, usage};
+use crate::cli::walk::files_below;
+use crate::exit::sentence;
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::{reading, trust};
@@ -17,6 +18,8 @@ pub struct Model {
     pub files: Vec<(u32, PathBuf)>,
     /// What they have in common.
     family: Option<(PathBuf, String)>,
+    /// Whether all were found in folders, and none was named: then what holds no mesh is passed over.
+    pub is_by_the_way: bool,
 }
 
 impl Model {
@@ -30,30 +33,72 @@ impl Model {
     }
 }
 
-/// Files that are named alike but for `_LOD` and a number become one.
-pub fn models(paths: &[PathBuf]) -> anyhow::Result<Vec<Model>> {
-    let mut models: Vec<Model> = Vec::new();
+/// What there is to look at.
+#[derive(Default)]
+pub struct Found {
+    pub models: Vec<Model>,
+    /// Files and folders that are not there, cannot be listed, or hold no model, each with the reason.
+    pub failed: Vec<(String, String)>,
+}
+
+/// Files, and the models in folders. Those that are named alike but for `_LOD` and a number become one; each counts once,
+/// however often it is named.
+pub fn find(paths: &[PathBuf], progress: &Progress) -> anyhow::Result<Found> {
+    let mut found = Found::default();
     for path in paths {
-        if !path.exists() {
-            return Err(usage(format!("there is no file '{}'", show(path))));
-        }
         if path.is_dir() {
-            return Err(usage(format!("'{}' is a directory; name files in it", show(path))));
+            match files_below(path, progress, &mut |_| Ok(())) {
+                Ok(files) => found.add_folder(path, files),
+                Err(error) => {
+                    progress.check()?;
+                    found.failed.push((show(path), sentence(&error)));
+                }
+            }
+        } else if path.exists() {
+            found.add(path.clone(), false);
+        } else {
+            found.failed.push((show(path), "there is no such file or folder".to_owned()));
         }
-        let level = level(path);
+    }
+    for model in &mut found.models {
+        model.files.sort();
+    }
+    Ok(found)
+}
+
+impl Found {
+    fn add_folder(&mut self, folder: &Path, files: Vec<PathBuf>) {
+        let ending = |path: &PathBuf| path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        let is_model = |path: &PathBuf| ending(path).is_some_and(|ending| ENDINGS.contains(&&*ending));
+        let models: Vec<PathBuf> = files.into_iter().filter(is_model).collect();
+        if models.is_empty() {
+            let endings = ENDINGS.map(|ending| format!(".{ending}")).join(", ");
+            self.failed
+                .push((show(folder), format!("there is no model in the folder: no file ends in {endings}")));
+        }
+        for file in models {
+            self.add(file, true);
+        }
+    }
+
+    fn add(&mut self, path: PathBuf, is_by_the_way: bool) {
+        let is_known = |model: &Model| model.files.iter().any(|(_, known)| *known == path);
+        if let Some(model) = self.models.iter_mut().find(|model| is_known(model)) {
+            model.is_by_the_way &= is_by_the_way;
+            return;
+        }
+        let level = level(&path);
         let family = level.as_ref().map(|(_, family)| family.clone());
         let number = level.map_or(0, |(number, _)| number);
         let is_it = |model: &&mut Model| family.is_some() && model.family == family;
-        match models.iter_mut().find(is_it) {
-            Some(model) => model.files.push((number, path.clone())),
-            None => models.push(Model { files: vec![(number, path.clone())], family }),
+        match self.models.iter_mut().find(is_it) {
+            Some(model) => {
+                model.files.push((number, path));
+                model.is_by_the_way &= is_by_the_way;
+            }
+            None => self.models.push(Model { files: vec![(number, path)], family, is_by_the_way }),
         }
     }
-    for model in &mut models {
-        model.files.sort();
-        model.files.dedup();
-    }
-    Ok(models)
 }
 
 /// The level in a file's name, and the folder and name without it.

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use anyhow::{Context, bail};
 use clap::{Args, ValueEnum};
 use linden::recipe::VERSION;
-use linden_lint::{Asset, Config, PROFILES, RULES, Report, Severity, lint};
+use linden_lint::{Asset, Config, PROFILES, RULES, ReadError, Report, Severity, lint};
 use serde::Serialize;
 
 use self::files::Model;
@@ -20,12 +20,14 @@ use crate::source;
 /// Look for faults in models of trees, whoever made them
 ///
 /// Triangles and draw calls against a budget, levels of detail, geometry, normals, texture coordinates, pictures, alpha
-/// modes, pivots, names, meshes for collisions. What a file cannot say is named as not looked at.
+/// modes, pivots, names, meshes for collisions. What a file cannot say is named as not looked at. In folders all models are
+/// looked at, also in folders below; what holds no mesh, like points, is passed over.
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Lint {
-    /// Models: GLB, glTF, OBJ, PLY, USD (text, binary, packages). Files as `oak_LOD0.obj`, `oak_LOD1.obj` are levels of one
-    #[arg(value_name = "FILE", required_unless_present = "rules")]
+    /// Models: GLB, glTF, OBJ, PLY, USD (text, binary, packages), or folders with such files. Files as `oak_LOD0.obj`,
+    /// `oak_LOD1.obj` are levels of one
+    #[arg(value_name = "PATH", required_unless_present = "rules")]
     files: Vec<PathBuf>,
 
     /// Rules and their limits: a TOML file
@@ -70,11 +72,12 @@ struct LintReport<'a> {
     profile: &'static str,
     files: &'a [Report],
     failed: &'a [Failed],
+    passed_over: &'a [Failed],
     errors: usize,
     warnings: usize,
 }
 
-/// A file that is no model.
+/// A file that is no model, and why.
 #[derive(Serialize)]
 struct Failed {
     file: String,
@@ -93,13 +96,18 @@ impl Lint {
                 super::print(&text::rules(&config))
             };
         }
-        let (mut reports, mut failed) = (Vec::new(), Vec::new());
-        for model in files::models(&self.files)? {
+        let found = files::find(&self.files, &progress)?;
+        let mut failed: Vec<Failed> =
+            found.failed.into_iter().map(|(file, error)| Failed { file, error }).collect();
+        let (mut reports, mut passed_over) = (Vec::new(), Vec::new());
+        for model in found.models {
             match read(&model, &progress) {
                 Ok(asset) => reports.push(lint(&asset, &config)),
                 Err(error) => {
                     linden::Monitor::check(&progress)?;
-                    failed.push(Failed { file: model.shown(), error: sentence(&error) });
+                    let is_bare = matches!(error.downcast_ref(), Some(ReadError::NoTriangles(_)));
+                    let list = if is_bare && model.is_by_the_way { &mut passed_over } else { &mut failed };
+                    list.push(Failed { file: model.shown(), error: sentence(&error) });
                 }
             }
         }
@@ -108,12 +116,20 @@ impl Lint {
         progress.clear();
         if self.json {
             let profile = config.profile();
-            let report =
-                LintReport { linden: VERSION, profile, files: &reports, failed: &failed, errors, warnings };
-            super::print_json(&report)?;
+            super::print_json(&LintReport {
+                linden: VERSION,
+                profile,
+                files: &reports,
+                failed: &failed,
+                passed_over: &passed_over,
+                errors,
+                warnings,
+            })?;
         } else {
             super::print(&text::table(&reports))?;
         }
+        let without = |Failed { file, error }: &Failed| format!("{file}: passed over: {error}");
+        super::notes(&passed_over.iter().map(without).collect::<Vec<_>>(), &progress);
         for Failed { file, error } in &failed {
             crate::exit::say(&format!("error: {file}: {error}"));
         }

@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context;
 use linden::Monitor;
 use linden::input::{InputKind, sniff};
 use linden_exporters::for_path;
 
 use super::row::{Outcome, Row};
 use crate::cli::batch::listed_files;
+use crate::cli::walk::files_below;
 use crate::exit::{sentence, usage};
 use crate::paths::show;
 use crate::progress::Progress;
@@ -64,7 +64,11 @@ pub fn find(paths: &[PathBuf], progress: &Progress) -> anyhow::Result<Found> {
         if !is_folder && !path.exists() {
             return Err(usage(format!("there is no file or folder '{}'", show(path))));
         }
-        let files = if is_folder { found.walk(path, progress)? } else { vec![path.clone()] };
+        let files = if is_folder {
+            files_below(path, progress, &mut |folder| found.list(folder))?
+        } else {
+            vec![path.clone()]
+        };
         for file in files {
             progress.check()?;
             match recipe(&file, !is_folder, progress) {
@@ -107,28 +111,6 @@ fn recipe(path: &Path, is_named: bool, progress: &Progress) -> anyhow::Result<Op
 }
 
 impl Found {
-    /// All regular files below a folder, in order; links to folders are not followed.
-    fn walk(&mut self, root: &Path, progress: &Progress) -> anyhow::Result<Vec<PathBuf>> {
-        let mut files = Vec::new();
-        let mut folders = vec![root.to_owned()];
-        while let Some(folder) = folders.pop() {
-            progress.check()?;
-            self.list(&folder)?;
-            let reading = || format!("reading the folder {}", show(&folder));
-            for entry in fs::read_dir(&folder).with_context(reading)? {
-                let entry = entry.with_context(reading)?;
-                let kind = entry.file_type().with_context(reading)?;
-                if kind.is_dir() {
-                    folders.push(entry.path());
-                } else if kind.is_file() {
-                    files.push(entry.path());
-                }
-            }
-        }
-        files.sort_unstable();
-        Ok(files)
-    }
-
     /// What the index of a batch in this folder lists.
     fn list(&mut self, folder: &Path) -> anyhow::Result<()> {
         for (name, bytes) in listed_files(folder)? {
