@@ -61,8 +61,8 @@ pub struct Canopy {
     /// Area of leaves by the angle between the blade and the level, in [`INCLINATIONS`] classes of equal width from 0
     /// to 90 degrees, square metres.
     pub inclinations_m2: Vec<f64>,
-    /// Area of leaves in [`LAYERS`] layers of equal thickness from `floor_m` to `top_m`, from the lowest, by the
-    /// middles of triangles, square metres.
+    /// Area of leaves, each counted once as in [`Canopy::leaf_area_once_m2`], in [`LAYERS`] layers of equal thickness from
+    /// `floor_m` to `top_m`, from the lowest, by the middles of triangles, square metres.
     pub layers_m2: Vec<f64>,
     /// Where the lowest layer begins, metres.
     pub floor_m: f64,
@@ -193,7 +193,7 @@ pub fn canopy(
                 let inclination = libm::atan2(level, normal.y.abs()) / FRAC_PI_2;
                 part.inclinations_m2[class(inclination, INCLINATIONS)] += area;
                 let height = ((a.y + b.y + c.y) / 3.0 - floor_m) / (top_m - floor_m).max(f64::MIN_POSITIVE);
-                part.layers_m2[class(height, LAYERS)] += area;
+                part.layers_m2[class(height, LAYERS)] += area / f64::from(crops[stamp.crop].sheets);
             }
         }
     })?;

@@ -193,6 +193,10 @@ def leaves(scene, report, found):
     area, normal, middle = np.concatenate(areas), np.vstack(normals), np.vstack(middles)
     total = area.sum()
     found["leaf_area_m2"] = total
+    # Numbers of leaf area count each leaf once, on however many sheets it is drawn. The test names these.
+    sheets = report["_sheets"]
+    assert set(report["sheets_by_kind"]) == {sheets}, report["sheets_by_kind"]
+    found["leaf_area_once_m2"] = total / sheets
     upright = np.abs(normal[:, 1])
     inclination = np.degrees(np.arccos(np.clip(upright, 0, 1)))
     found["leaf_inclination_mean_deg"] = (inclination * area).sum() / total
@@ -207,7 +211,7 @@ def leaves(scene, report, found):
     floor, layer = report["_floor_m"], report["leaf_layer_m"]
     by_layer = np.bincount(np.clip(((middle[:, 1] - floor) / layer).astype(int), 0, 9), weights=area, minlength=10)
     # One triangle on a border may fall either way: the sums of pairs are compared.
-    found["_layers"] = by_layer
+    found["_layers"] = by_layer / sheets
     return points
 
 
@@ -248,7 +252,7 @@ def check(folder):
     if layers is not None:
         density = layers / (report["leaf_layer_m"] * found["crown_projection_with_leaves_m2"])
         found["leaf_area_density_m2_per_m3"] = density
-        found["leaf_area_index"] = found["leaf_area_m2"] / found["crown_projection_with_leaves_m2"]
+        found["leaf_area_index"] = found["leaf_area_once_m2"] / found["crown_projection_with_leaves_m2"]
         assert abs(sum(report["leaf_inclination_shares"]) - 1) < 1e-9
     worst = max((compare(name, value, report[name]), name) for name, value in found.items())
     print(f"{folder.name}: {len(found)} numbers, {worst[1]} differs most, by {100 * worst[0]:.3f} %")

@@ -12,15 +12,19 @@ use linden_tests::presets::recipe;
 
 use crate::outside::{exported, run};
 
+/// A preset, on how many sheets that cross a leaf of it is drawn, and knobs that are turned.
+type Plant = (&'static str, u32, &'static [(&'static str, &'static str)]);
+
 /// Both generators; leaves as cards, twigs, curved blades, fans and tufts, of grammars, and none; wood with flare
 /// and collars, in steps, with ends of all kinds.
-const PLANTS: [(&str, &[(&str, &str)]); 12] = [
-    ("abop-b", &[("width_steps", "cylinder")]),
-    ("abop-honda-a", &[("width_steps", "cylinder"), ("ends", "cut")]),
-    ("abop-aono-a", &[("width_smoothing", "0")]),
+const PLANTS: [Plant; 12] = [
+    ("abop-b", 1, &[("width_steps", "cylinder")]),
+    ("abop-honda-a", 1, &[("width_steps", "cylinder"), ("ends", "cut")]),
+    ("abop-aono-a", 1, &[("width_smoothing", "0")]),
     // No number counts roots and stubs, which meshes have.
     (
         "oak",
+        2,
         &[
             ("leaf_keep", "0.02"),
             ("flare", "0.8"),
@@ -32,20 +36,24 @@ const PLANTS: [(&str, &[(&str, &str)]); 12] = [
             ("moss", "0"),
         ],
     ),
-    ("dressed-honda-a", &[]),
-    ("dressed-simple", &[]),
-    ("simple", &[]),
-    ("fir", &[("points", "400"), ("leaf_form", "tuft"), ("leaf_outline", "spruce"), ("leaves_per_m", "5")]),
-    ("cypress", &[("leaf_form", "twig"), ("leaves_per_m", "3")]),
-    ("sphere", &[("leaf_form", "curved"), ("leaves_per_m", "10"), ("leaf_outline", "palmate")]),
-    ("date-palm", &[]),
-    ("male-fern", &[]),
+    ("dressed-honda-a", 2, &[]),
+    ("dressed-simple", 2, &[]),
+    ("simple", 1, &[]),
+    (
+        "fir",
+        3,
+        &[("points", "400"), ("leaf_form", "tuft"), ("leaf_outline", "spruce"), ("leaves_per_m", "5")],
+    ),
+    ("cypress", 2, &[("leaf_form", "twig"), ("leaves_per_m", "3")]),
+    ("sphere", 1, &[("leaf_form", "curved"), ("leaves_per_m", "10"), ("leaf_outline", "palmate")]),
+    ("date-palm", 1, &[]),
+    ("male-fern", 1, &[]),
 ];
 
 #[test]
 fn reports_are_what_the_files_hold() {
     let dir = exported("numbers");
-    for (id, settings) in PLANTS {
+    for (id, sheets, settings) in PLANTS {
         let folder = dir.join(id);
         fs::create_dir_all(&folder).unwrap();
         let mut recipe = recipe(builtin(id).unwrap());
@@ -61,6 +69,9 @@ fn reports_are_what_the_files_hold() {
         // It is read back as it was.
         let json = fs::read_to_string(folder.join("report.json")).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&json).unwrap(), report, "{id}");
+        let mut told: serde_json::Value = serde_json::from_str(&json).unwrap();
+        told["_sheets"] = sheets.into();
+        fs::write(folder.join("report.json"), told.to_string()).unwrap();
     }
     run("measured.py", &dir);
 }

@@ -249,7 +249,7 @@ impl<'a> Figures<'a> {
     }
 
     pub fn leaf_area_index(&self) -> Option<f64> {
-        let (area, ground) = (self.canopy.leaf_area_m2(), self.all.plan.area());
+        let (area, ground) = (self.canopy.leaf_area_once_m2(), self.all.plan.area());
         (area > 0.0 && ground > 0.0).then(|| area / ground)
     }
 

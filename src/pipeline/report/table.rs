@@ -355,7 +355,7 @@ numbers! {
         "leaf_area_m2 with the area of each kind divided by its sheets_by_kind: ÷ leaf_count it is the mean area of a leaf"
         ("") = |f| f.canopy.leaf_area_once_m2();
     leaf_area_index: Option<f64>, Leaves "area index" [""] Leaves
-        "leaf_area_m2 ÷ crown_projection_with_leaves_m2; null without leaves"
+        "leaf_area_once_m2 ÷ crown_projection_with_leaves_m2; null without leaves"
         ("Watson 1947, over the ground that the crown covers") = |f| f.leaf_area_index();
     leaf_inclination_mean_deg: Option<f64>, Leaves "mean inclination" ["°"] Leaves
         "the angle between a blade and the level, averaged over leaf_area_m2: 0 level, 90 upright"
@@ -370,7 +370,7 @@ numbers! {
         "a tenth of the height from the lowest node to the highest point of a leaf: the thickness of a layer"
         ("") = |f| f.layer_m();
     leaf_area_density_m2_per_m3: Option<Vec<f64>>, Leaves "area density by layer" ["m²/m³"] Leaves
-        "leaf area in each of ten layers of leaf_layer_m, from the lowest, ÷ (leaf_layer_m × crown_projection_with_leaves_m2); triangles belong where their middle is"
+        "leaf_area_once_m2 in each of ten layers of leaf_layer_m, from the lowest, ÷ (leaf_layer_m × crown_projection_with_leaves_m2); triangles belong where their middle is"
         ("Béland et al. 2014, On seeing the wood from the leaves and the role of voxel size") = |f| f.leaf_area_density();
 
     triangles: usize, Surface "triangles" [""] Surface
