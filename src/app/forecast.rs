@@ -23,6 +23,10 @@ const DRAWN_TRIANGLE_S: f64 = 60e-9;
 /// Painting a pixel and compressing it; the same where each has several samples.
 const PIXEL_S: f64 = 70e-9;
 const SAMPLED_PIXEL_S: f64 = 140e-9;
+/// The rest of a pixel of an impostor of a plant with leaves, of which many lie one behind another: processor time of `linden
+/// impostor` of oak, Scots pine, apple, hazel and `dressed-simple` with `--size` 1024 and 2048, 1.4 to 2.4 µs. A triangle takes
+/// [`DRAWN_TRIANGLE_S`] in each view: the oak with `--frames` 8 and 16.
+const LEAFY_PIXEL_S: f64 = 1.7e-6;
 
 /// A tree that has not grown.
 pub struct Outlook {
@@ -92,6 +96,13 @@ impl Outlook {
         self.grow_s + self.estimate.dress_seconds(recipe) + drawn + pixels * SAMPLED_PIXEL_S
     }
 
+    /// From the recipe to views from all around, which have so many pixels together.
+    pub fn impostor_s(&self, recipe: &Recipe, views: f64, pixels: f64) -> f64 {
+        let drawn = views * self.estimate.triangles as f64 * DRAWN_TRIANGLE_S;
+        let leafy = if self.sample.leaves() > 0.0 { LEAFY_PIXEL_S } else { 0.0 };
+        self.grow_s + self.estimate.dress_seconds(recipe) + drawn + pixels * (SAMPLED_PIXEL_S + leafy)
+    }
+
     /// From the recipe to its measures.
     pub fn stats_s(&self, recipe: &Recipe) -> f64 {
         self.grow_s + self.estimate.survey_seconds(recipe)
@@ -100,8 +111,13 @@ impl Outlook {
     /// Says how long the work on it will take, where that is long; not of a tree for which there is no memory: that is what
     /// growing says.
     pub fn announce(&self, seconds: f64) {
+        self.announce_with(seconds, "");
+    }
+
+    /// The same with more behind the amounts.
+    pub fn announce_with(&self, seconds: f64, more: &str) {
         if self.sample.skeleton_bytes().unwrap_or(u64::MAX) <= crate::memory::limit() {
-            announce(seconds, &self.amount());
+            announce(seconds, &format!("{}{more}", self.amount()));
         }
     }
 

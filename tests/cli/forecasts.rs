@@ -60,6 +60,7 @@ fn long_work_is_announced() {
         &["preview", "sphere", "-o", "a.png"],
         &["sheet", "sphere", "-o", "a.png"],
         &["forest", "sphere", "-o", "a.glb", "--area", "20"],
+        &["impostor", "sphere", "-o", "a.json"],
     ] {
         let said = folder.run(&[command, &long].concat());
         assert_eq!(said.code, Some(1), "{command:?}: {}", said.err);
@@ -68,6 +69,19 @@ fn long_work_is_announced() {
         assert!(note.contains("nodes") && said.err.contains("lower points"), "{command:?}: {}", said.err);
     }
     assert!(folder.names().is_empty());
+}
+
+/// Views take longer than the tree that they show, by their pixels.
+#[test]
+fn an_impostor_is_announced_by_its_views() {
+    let folder = Folder::new();
+    let args = ["impostor", "dressed-simple", "-o", "a.json", "--set", "points=60", "--set", "leaf_size=128"];
+    let said = folder.run(&[&args[..], &["--size", "8192", "--memory", "64M"]].concat());
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    let note = said.err.lines().find(|line| line.starts_with("note: this will take about ")).unwrap();
+    assert!(note.contains(" min: ") && note.ends_with(", 64 views"), "{note}");
+    let said = folder.run(&[&args[..], &["--size", "256", "--frames", "4"]].concat()).done();
+    assert!(!said.err.contains("this will take"), "{}", said.err);
 }
 
 /// A small sample of `tests/memory/limits.py`, which counts resident memory.

@@ -102,6 +102,14 @@ fn what_carries_no_recipe_is_said() {
         assert_eq!(said.code, Some(2), "{name}: {}", said.err);
         assert!(said.err.contains(&format!("{name} carries no recipe")), "{name}: {}", said.err);
     }
+    // What is no source is not told to be shown as one.
+    folder.run(&["sheet", "fir", "--seeds", "2", "--size", "64x64", "-o", "sh.png"]).done();
+    let said = folder.run(&["recipe", "sh.png"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("a sheet and pictures that belong to a model do not"), "{}", said.err);
+    assert!(!said.err.contains("linden show sh.png"), "{}", said.err);
+    let said = folder.run(&["recipe", "crown.obj"]);
+    assert!(said.err.contains("'linden show crown.obj --json'"), "{}", said.err);
     let said = folder.run(&["recipe", "nothing.glb"]);
     assert!(said.code == Some(2) && said.err.contains("'nothing.glb'"), "{}", said.err);
 }

@@ -14,6 +14,7 @@ use super::GrowArgs;
 use super::outputs::list;
 use super::placing::{Placing, explained, is_dash, is_folder};
 use crate::exit::usage;
+use crate::forecast::Outlook;
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -95,10 +96,16 @@ impl Impostor {
         // All places are tried before anything grows.
         let folders = self.placing.folders([output.as_path()])?;
         let mut bundle = self.placing.bundle_beside(&output, &source.files).map_err(explained)?;
+        let how = ImpostorView { frames: self.frames, size_px: self.size, is_whole: self.whole };
+        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+            let views = f64::from(self.frames) * f64::from(self.frames);
+            let pixels = f64::from(self.size) * f64::from(self.size);
+            let seconds = outlook.impostor_s(&source.recipe, views, pixels);
+            outlook.announce_with(seconds, &format!(", {views} views"));
+        }
         let grown = super::grown_and_drawn(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         drop(grown);
-        let how = ImpostorView { frames: self.frames, size_px: self.size, is_whole: self.whole };
         let drawn = impostor(&scene, &how, &progress).map_err(|error| match error {
             ImpostorError::Frames { .. } => usage(format!("--frames, --size: {error}")),
             other => anyhow::Error::from(other).context(source.shown.clone()),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use linden::input::{InputKind, sniff};
+use linden::input::{InputKind, is_picture, sniff};
 
 use crate::exit::usage;
 use crate::progress::Progress;
@@ -13,7 +13,7 @@ use crate::source;
 /// Print the recipe that a file of linden's carries
 ///
 /// Every file that linden writes carries the recipe of its tree or forest: one line of JSON, which grows
-/// the same again. Only a cylinder table without comments has none.
+/// the same again. Contact sheets, pictures that belong to a model and tables without comments have none.
 #[derive(Args)]
 pub struct Recipe {
     /// A file that linden wrote (a mesh, a scene, a table, a preview), or - for standard input
@@ -38,9 +38,25 @@ impl Recipe {
             let text = source::document(&bytes, &shown, &progress)?;
             return super::print(&format!("{}\n", text.trim()));
         }
-        Err(usage(format!(
-            "{shown} carries no recipe: it is none of the main files that linden writes, or another program \
-             has written it anew; 'linden show {shown} --json' has the recipe of what a source grows"
-        )))
+        // What is a source by itself grows by a recipe though it carries none.
+        let is_source = sniff(&bytes, &self.file.to_string_lossy()).is_ok();
+        Err(usage(if is_picture(&bytes) {
+            format!(
+                "{shown} carries no recipe: a picture of 'linden preview' does, a sheet and pictures that belong to a \
+                 model do not, nor does what another program has written anew; 'linden show SOURCE --json' has the \
+                 recipe of what was drawn, by the name of its source"
+            )
+        } else if is_source {
+            format!(
+                "{shown} carries no recipe: it is none of the main files that linden writes, or another program \
+                 has written it anew; 'linden show {shown} --json' has the recipe of what it grows as a source"
+            )
+        } else {
+            format!(
+                "{shown} carries no recipe: it is none of the main files that linden writes, or another program \
+                 has written it anew; name the main file of the export, or 'linden show SOURCE --json' has the \
+                 recipe of a source"
+            )
+        }))
     }
 }

@@ -41,7 +41,7 @@ pub use inputs::{Geometry, Input, Inputs};
 pub use las::read_las;
 pub use obj::read_obj;
 pub use pcd::read_pcd;
-pub use picture::{A_PICTURE, UserPicture, UserPictureError, read_picture};
+pub use picture::{A_PICTURE, UserPicture, UserPictureError, is_picture, read_picture};
 pub use ply::{PlyColumns, PlyData, read_ply, read_ply_with};
 pub use ptx::read_ptx;
 pub use sniff::{InputKind, sniff};

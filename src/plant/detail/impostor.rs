@@ -171,9 +171,9 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
         Ok((Pixels::new(at[0] * side, at[1] * side), Resolved::of(&drawn, SAMPLES), near))
     };
     // Of a few at a time, laid in their order.
+    monitor.advance(Phase::View, 0, Some(frames.into()));
     for row in 0..frames {
         monitor.check()?;
-        monitor.advance(Phase::View, row.into(), Some(frames.into()));
         let views = (row * frames..(row + 1) * frames).into_par_iter().map(seen);
         for (corner, resolved, near) in views.collect::<Result<Vec<_>, Cancelled>>()? {
             pile.lay(&resolved, corner, Vec3::ONE);
@@ -182,6 +182,7 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
                 depths.values[first..first + line.len()].copy_from_slice(line);
             }
         }
+        monitor.advance(Phase::View, (row + 1).into(), Some(frames.into()));
     }
     let Finished { color, normal, .. } = pile.finish(CUTOUT, false, monitor)?;
     depths.fill(monitor)?;

@@ -25,9 +25,14 @@ const MAX_SIDE_PX: u32 = 8192;
 /// The most pixels.
 const MAX_PIXELS: u64 = 64 << 20;
 
+/// Whether a file is a picture by its content.
+pub fn is_picture(bytes: &[u8]) -> bool {
+    Readable::of_content(bytes).is_some()
+}
+
 /// Whether a file is a picture by its content, or claims to be one by its name.
 pub(super) fn claims_to_be_picture(name: &str, bytes: &[u8]) -> bool {
-    Readable::of_content(bytes).is_some() || Readable::of_name(name).is_some()
+    is_picture(bytes) || Readable::of_name(name).is_some()
 }
 
 /// A picture that was read from a file.
