@@ -61,7 +61,7 @@ mod tests {
     use linden_base::monitor::Quiet;
     use linden_skeleton::NO_PARENT;
 
-    use crate::{LightModel, grow};
+    use crate::{Barriers, LightModel, Planted, grow, grow_among};
 
     fn hazel() -> SelfOrganizing {
         SelfOrganizing {
@@ -127,5 +127,33 @@ mod tests {
         let died = [0.1, 0.2, 10.0].map(|stool_m| grow(&stool(stool_m), Key::new(3), &Quiet).unwrap().died);
         assert!(died[0] >= died[1] && died[1] > 0 && died[2] == 0, "{died:?}");
         assert_eq!(feet(&stool(0.2)).len(), 60 - died[1]);
+    }
+
+    /// The second of three stools is felled, and some rods of the others die.
+    #[test]
+    fn each_foot_says_which_stool_it_is_of() {
+        let settings = SelfOrganizing {
+            stems: 60,
+            stool_m: 0.2,
+            stem_lean_deg: 0.0,
+            years: 20,
+            light: LightModel::Sky,
+            shade: 0.35,
+            shed: 0.3,
+            ..hazel()
+        };
+        let at = [-6.0, 0.0, 6.0].map(|x| glam::Vec3::new(x, 0.0, 0.0));
+        let planted = at.map(|foot| Planted { foot, felled_in: if foot.x == 0.0 { 12 } else { 0 } });
+        let grown = grow_among(&settings, &planted, &Barriers::default(), Key::new(3), &Quiet).unwrap();
+        assert!(grown.died > 0);
+        let parents = &grown.branching.parents;
+        let feet: Vec<usize> = (0..parents.len()).filter(|&node| parents[node] == NO_PARENT).collect();
+        assert_eq!(feet.len(), grown.trees.len());
+        for (&foot, &tree) in feet.iter().zip(&grown.trees) {
+            assert!(grown.branching.positions[foot].distance(at[tree as usize]) < 0.25, "{foot}: {tree}");
+        }
+        assert!(grown.trees.contains(&0) && grown.trees.contains(&2) && !grown.trees.contains(&1));
+        // One stool is one tree, of which nothing is to be said.
+        assert!(grow(&hazel(), Key::new(3), &Quiet).unwrap().trees.is_empty());
     }
 }

@@ -53,6 +53,18 @@ fn laterals_count_from_the_base_and_stems_as_they_come() {
 }
 
 #[test]
+fn trees_of_a_stand_are_kept_apart_by_edits_and_ages() {
+    let stand = Skeleton { trees: vec![4, 2], ..tree() };
+    let of = |edits: &[&str]| made(&stand, edits);
+    assert_eq!(of(&["cut stem 0.5"]).skeleton.trees, [4, 2]);
+    // The foot of what is left is the second one's.
+    assert_eq!(of(&["remove stem"]).skeleton.trees, [2]);
+    let edited = of(&["remove stem/1"]);
+    let (young, _) = edited.origins.until((&edited.skeleton, &stand), 1, &Wood::default(), Key::new(0));
+    assert_eq!((young.trees.as_slice(), young.segments()), ([4, 2].as_slice(), 2));
+}
+
+#[test]
 fn random_trees_have_a_path_for_each_axis() {
     for seed in 0..20 {
         let key = Key::new(seed);
