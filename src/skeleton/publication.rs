@@ -17,6 +17,10 @@ pub struct Publication {
     pub year: u16,
     /// The publisher of a book, the journal, or the conference.
     pub venue: &'static str,
+    /// Of the journal, `28`; empty where there is none.
+    pub volume: &'static str,
+    /// Of the volume, `3`; empty where there is none.
+    pub number: &'static str,
     /// `63-70`; empty for whole books.
     pub pages: &'static str,
 }
@@ -56,6 +60,8 @@ impl Publication {
             ("author", &*authors),
             ("title", &title),
             (place, self.venue),
+            ("volume", self.volume),
+            ("number", self.number),
             ("year", &year),
             ("pages", &pages),
         ];
@@ -66,7 +72,8 @@ impl Publication {
 }
 
 impl std::fmt::Display for Publication {
-    /// `Runions, Lane & Prusinkiewicz 2007, Modeling Trees with …. Eurographics …, 63-70`.
+    /// `Runions, Lane & Prusinkiewicz 2007, Modeling Trees with …. Eurographics …, 63-70`; of a journal
+    /// `ACM Transactions on Graphics 28(3), 58:1-58:10`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let families: Vec<&str> =
             self.authors.iter().map(|author| author.split(',').next().unwrap_or(author)).collect();
@@ -75,6 +82,12 @@ impl std::fmt::Display for Publication {
             one => one.concat(),
         };
         write!(f, "{authors} {}, {}. {}", self.year, self.title, self.venue)?;
+        if !self.volume.is_empty() {
+            write!(f, " {}", self.volume)?;
+        }
+        if !self.number.is_empty() {
+            write!(f, "({})", self.number)?;
+        }
         if self.pages.is_empty() { Ok(()) } else { write!(f, ", {}", self.pages) }
     }
 }
@@ -87,6 +100,8 @@ pub const ABOP: Publication = Publication {
     title: "The Algorithmic Beauty of Plants",
     year: 1990,
     venue: "Springer",
+    volume: "",
+    number: "",
     pages: "",
 };
 
@@ -98,6 +113,8 @@ pub const SPACE_COLONIZATION: Publication = Publication {
     title: "Modeling Trees with a Space Colonization Algorithm",
     year: 2007,
     venue: "Eurographics Workshop on Natural Phenomena",
+    volume: "",
+    number: "",
     pages: "63-70",
 };
 
@@ -119,6 +136,24 @@ mod tests {
         assert!(
             book.starts_with("@book{") && book.contains("publisher = {Springer}") && !book.contains("pages")
         );
+    }
+
+    #[test]
+    fn volume_and_number_are_fields_of_their_own() {
+        let article = Publication {
+            kind: PublicationKind::Article,
+            venue: "Remote Sensing",
+            volume: "11",
+            number: "18",
+            pages: "2074",
+            ..ABOP
+        };
+        let entry = article.to_bibtex();
+        let fields = "  journal = {Remote Sensing},\n  volume = {11},\n  number = {18},\n";
+        assert!(entry.starts_with("@article{") && entry.contains(fields), "{entry}");
+        assert!(article.to_string().ends_with(". Remote Sensing 11(18), 2074"), "{article}");
+        let numbered = Publication { number: "", ..article }.to_string();
+        assert!(numbered.ends_with(". Remote Sensing 11, 2074"), "{numbered}");
     }
 
     #[test]

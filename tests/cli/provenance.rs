@@ -233,3 +233,85 @@ fn a_citation_names_everything_that_makes_the_tree() {
         assert!(said.err.contains(expected), "{args:?}: {}", said.err);
     }
 }
+
+/// What `cite` says of the first tree as changed.
+fn changes(cited: &Value) -> Value {
+    let of = |name: &str| cited["trees"][0][name].clone();
+    serde_json::json!({"age": of("age"), "changed": of("changed"), "edits": of("edits")})
+}
+
+#[test]
+fn a_citation_names_what_is_not_as_in_the_preset() {
+    let folder = Folder::new();
+    let cite = |args: &[&str]| {
+        let said = folder.run(&[&["cite", "--format", "json"], args].concat());
+        assert_eq!(said.code, Some(0), "{args:?}: {}", said.err);
+        changes(&said.json())
+    };
+    let nothing = serde_json::json!({"age": null, "changed": {}, "edits": []});
+    assert_eq!(cite(&["abop-honda-a", "--seed", "3"]), nothing);
+    assert_eq!(
+        cite(&["abop-honda-a", "--define", "r1=0.8", "--set", "derivations=6", "--edit", "cut stem 0.4"]),
+        serde_json::json!({
+            "age": null, "changed": {"derivations": "6", "r1": "0.8"}, "edits": ["cut stem 0.4"]
+        })
+    );
+    // Files say it too, of the age that they were grown at.
+    let export =
+        ["export", "silver-birch", "--age", "young", "--set", "leaf_form=none", "--set", "bark_size=64"];
+    assert_eq!(folder.run(&[&export[..], &["-o", "young.obj"]].concat()).code, Some(0));
+    let young = cite(&["young.obj"]);
+    assert_eq!(young["changed"], serde_json::json!({"bark_size": "64", "leaf_form": "none"}));
+    assert!(young["age"].as_str().unwrap().starts_with("young (age=0.3, "), "{young}");
+    assert_eq!(
+        cite(&["silver-birch", "--age", "young", "--set", "leaf_form=none", "--set", "bark_size=64"]),
+        young
+    );
+    for (args, age) in [(["--set", "age=0.2"], "0.2"), (["--age", "4y"], "4y")] {
+        let aged = cite(&[&["silver-birch", "--set", "leaf_form=none"], &args[..]].concat());
+        assert_eq!(aged["age"], age);
+        assert_eq!(aged["changed"], serde_json::json!({"leaf_form": "none"}));
+    }
+    let text = folder.run(&["cite", "young.obj"]).done().out;
+    assert!(text.contains("\nage            young (age=0.3, "), "{text}");
+    assert!(text.contains("\nchanged        leaf_form=none\n"), "{text}");
+    // Of a document of the user's it is what flags turn.
+    folder.write("weed.l", "axiom=F\nangle=25.7\nnumber of derivations=4\nF=(1)F[+F]F[-F]F\n");
+    assert_eq!(
+        cite(&["weed.l", "--set", "segment_length=0.1", "--seed", "4", "--set", "age=0.5"]),
+        serde_json::json!({"age": "0.5", "changed": {"segment_length": "0.1"}, "edits": []})
+    );
+    folder.write(
+        "mine.toml",
+        "id = \"mine\"\n[lsystem]\naxiom = \"A(3)\"\nderivations = 3\nrules = [\"#define r 0.7\", \"A(x) -> F(x)A(x*r)\"]\n",
+    );
+    assert_eq!(
+        cite(&["mine.toml", "--define", "r=0.8"]),
+        serde_json::json!({"age": null, "changed": {"define.r": "0.8"}, "edits": []})
+    );
+}
+
+#[test]
+fn entries_have_fields_that_styles_know() {
+    let folder = Folder::new();
+    let small = ["--set", "leaf_form=none", "--set", "age=0.2"];
+    let bibtex =
+        folder.run(&[&["cite", "silver-birch", "--format", "bibtex"], &small[..]].concat()).done().out;
+    let (program, paper) = bibtex.split_once("\n\n").unwrap();
+    let version = folder.run(&["--version"]).done().out.trim().trim_start_matches("linden ").to_owned();
+    for field in [
+        "  author = {{The linden developers}},\n".to_owned(),
+        "  title = {{linden}},\n".to_owned(),
+        format!("  version = {{{version}}},\n"),
+        format!("  note = {{version {version}; tree: Silver birch (silver-birch); "),
+    ] {
+        assert!(program.contains(&field), "{field} in {program}");
+    }
+    assert!(
+        program.contains("; age: 0.2; changed: leaf\\_form=none; ") && !program.contains("year"),
+        "{program}"
+    );
+    let journal =
+        "  journal = {ACM Transactions on Graphics},\n  volume = {28},\n  number = {3},\n  year = {2009},\n";
+    assert!(paper.starts_with("@article{palubicki2009,\n") && paper.contains(journal), "{paper}");
+}

@@ -1,5 +1,7 @@
 //! `linden cite`: what a paper says of a tree, so that others grow the same.
 
+mod changes;
+
 use clap::{Args, ValueEnum};
 use linden::knob::printable;
 use linden::preset::Preset;
@@ -8,10 +10,14 @@ use linden::recipe::{Input, Recipe, VERSION};
 use linden::skeleton::publication::Publication;
 use serde::Serialize;
 
+use self::changes::Changes;
 use super::GrowArgs;
 use super::forest::resolved;
 use crate::progress::Progress;
 use crate::source::forest::{ForestFile, turn};
+
+/// Who wrote the program, as its license names them.
+const AUTHORS: &str = "The linden developers";
 
 /// Say what to put into a paper about a tree or a forest
 ///
@@ -76,6 +82,8 @@ struct CitedTree {
     /// What people call that.
     #[serde(skip)]
     method: &'static str,
+    #[serde(flatten)]
+    changes: Changes,
     inputs: Vec<CitedInput>,
 }
 
@@ -87,18 +95,20 @@ struct CitedInput {
 }
 
 impl CitedTree {
-    fn of(recipe: &Recipe) -> Self {
+    /// `flags` are those that turned it.
+    fn of(recipe: &Recipe, flags: Option<&GrowArgs>) -> anyhow::Result<Self> {
         let Preset { id, name, source, .. } = &recipe.preset;
         let cited =
             |(file, input): (&str, &Input)| CitedInput { file: printable(file), xxh3: input.hash_text() };
-        Self {
+        Ok(Self {
             id: printable(id),
             name: printable(if name.trim().is_empty() { id } else { name }),
             origin: printable(source),
             generator: recipe.preset.grows_by().id(),
             method: recipe.preset.grows_by().name(),
+            changes: Changes::of(&recipe.preset, flags)?,
             inputs: recipe.inputs.iter().map(cited).collect(),
-        }
+        })
     }
 }
 
@@ -133,7 +143,10 @@ impl Cite {
                 source,
                 seed: forest.layout.seed,
                 hash: Hashes { recipe: hash_text(forest.hash()), skeleton: None, organs: None },
-                trees: recipes.iter().map(|recipe| CitedTree::of(recipe)).collect(),
+                trees: recipes
+                    .iter()
+                    .map(|recipe| CitedTree::of(recipe, None))
+                    .collect::<anyhow::Result<_>>()?,
                 publications: publications(&recipes),
                 command: self.command("forest") + " -o again.glb",
                 recipe: serde_json::from_str(&forest.to_line())?,
@@ -150,7 +163,7 @@ impl Cite {
                 skeleton: Some(hash_text(tree.skeleton)),
                 organs: Some(hash_text(tree.organs)),
             },
-            trees: vec![CitedTree::of(recipe)],
+            trees: vec![CitedTree::of(recipe, Some(&self.growing))?],
             publications: publications(&[recipe]),
             command: self.command("stats"),
             recipe: serde_json::from_str(&recipe.to_line_of(tree))?,
@@ -174,9 +187,9 @@ impl Cite {
 /// What the methods of some trees are from, each once.
 fn publications(recipes: &[&Recipe]) -> Vec<Publication> {
     let mut all: Vec<Publication> = Vec::new();
-    for publication in recipes.iter().flat_map(|recipe| recipe.preset.grows_by().publications()) {
-        if !all.contains(publication) {
-            all.push(*publication);
+    for publication in recipes.iter().flat_map(|recipe| recipe.preset.generator.publications()) {
+        if !all.contains(&publication) {
+            all.push(publication);
         }
     }
     all
@@ -191,6 +204,7 @@ impl Citation {
             rows.push(("tree", format!("{} ({})", tree.name, tree.id)));
             rows.push(("from", tree.origin.clone()));
             rows.push(("method", tree.method.to_owned()));
+            rows.extend(tree.changes.rows());
             rows.extend(tree.inputs.iter().map(|input| ("file", format!("{} {}", input.file, input.xxh3))));
         }
         rows.extend(self.publications.iter().map(|publication| ("method from", publication.to_string())));
@@ -225,12 +239,14 @@ impl Citation {
         let ids: Vec<&str> = self.trees.iter().map(|tree| tree.id.as_str()).collect();
         let is_plain = |letter: char| letter.is_ascii_alphanumeric();
         let key = ids.join("-").replace(|letter| !is_plain(letter), "-");
-        // Without an author it is sorted by its key.
+        // No year: a version has none that is sure. The date of a build would differ from build to build, and a commit need
+        // not be of a release. Styles that know no version print the note, which has it too.
         let fields = [
-            ("key", name.to_owned()),
-            ("title", format!("{name} {version}")),
+            ("author", format!("{{{AUTHORS}}}")),
+            ("title", format!("{{{name}}}")),
+            ("version", tex(version)),
             ("howpublished", format!("Computer program, {license}")),
-            ("note", about.join("; ")),
+            ("note", format!("version {}; {}", tex(version), about.join("; "))),
         ];
         text.push_str(&format!("@misc{{{name}-{key},\n"));
         for (field, value) in fields {

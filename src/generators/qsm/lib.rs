@@ -34,7 +34,9 @@ const RAUMONEN: Publication = Publication {
     authors: &["Raumonen, Pasi", "Kaasalainen, Mikko", "others"],
     title: "Fast Automatic Precision Tree Models from Terrestrial Laser Scanner Data",
     year: 2013,
-    venue: "Remote Sensing 5(2)",
+    venue: "Remote Sensing",
+    volume: "5",
+    number: "2",
     pages: "491-520",
 };
 

@@ -14,40 +14,19 @@ use linden_skeleton::generator::{
     Branched, Gaps, Generator, GeneratorError, InputTrees, KeyContent, Measured, Passage, RadiiFrom,
     SampleSize, Sampler, Settings, TableKey, Task, Traits, Written,
 };
-use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZATION};
+use linden_skeleton::publication::{Publication, SPACE_COLONIZATION};
 use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
 
 use crate::canopy::Verdict;
 use crate::fit::gaps_of_placed;
 use crate::girth::{MEASURING_BYTES_PER_POINT, Placed};
 use crate::points::{As, Prepared, at_points};
+use crate::publications::{DU, TAO, VERROUST_LAZARUS, VICARI, XU_GOSSETT_CHEN, ZHANG};
 use crate::sample::ScanPart;
-use crate::{Girth, ScanGrowthError, ScanSettings, Segmentation, crowns, girth, trees};
+use crate::{Girth, LeafPoints, ScanGrowthError, ScanSettings, Segmentation, crowns, girth, trees};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
-
-/// Axes through the middles of points that are as far from the foot.
-const VERROUST_LAZARUS: Publication = Publication {
-    key: "verroust1999",
-    kind: PublicationKind::InProceedings,
-    authors: &["Verroust, Anne", "Lazarus, Francis"],
-    title: "Extracting Skeletal Curves from 3D Scattered Data",
-    year: 1999,
-    venue: "International Conference on Shape Modeling and Applications",
-    pages: "194-201",
-};
-
-/// The same of trees.
-const XU_GOSSETT_CHEN: Publication = Publication {
-    key: "xu2007",
-    kind: PublicationKind::Article,
-    authors: &["Xu, Hui", "Gossett, Nathan", "Chen, Baoquan"],
-    title: "Knowledge and Heuristic-Based Modeling of Laser-Scanned Trees",
-    year: 2007,
-    venue: "ACM Transactions on Graphics 26(4)",
-    pages: "19",
-};
 
 struct Scans;
 
@@ -147,6 +126,12 @@ impl ScanSettings {
 impl Settings for ScanSettings {
     fn generator(&self) -> &'static dyn Generator {
         GENERATOR
+    }
+
+    fn publications(&self) -> Vec<Publication> {
+        let of_plots = if self.segmentation == Segmentation::Paths { &[ZHANG, TAO][..] } else { &[] };
+        let of_leaves = if self.leaf_points == LeafPoints::Paths { &[VICARI, DU][..] } else { &[] };
+        [GENERATOR.publications(), of_plots, of_leaves].concat()
     }
 
     fn knobs(&self) -> Vec<(Knob, Value)> {

@@ -60,6 +60,7 @@ mod median;
 mod neighbours;
 pub mod plot;
 mod points;
+mod publications;
 mod sample;
 mod sections;
 mod segments;

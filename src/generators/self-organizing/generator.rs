@@ -36,7 +36,9 @@ const PALUBICKI: Publication = Publication {
     ],
     title: "Self-organizing tree models for image synthesis",
     year: 2009,
-    venue: "ACM Transactions on Graphics 28(3)",
+    venue: "ACM Transactions on Graphics",
+    volume: "28",
+    number: "3",
     pages: "58:1-58:10",
 };
 

@@ -26,6 +26,8 @@ const WEBER_PENN: Publication = Publication {
     title: "Creation and Rendering of Realistic Trees",
     year: 1995,
     venue: "Proceedings of SIGGRAPH 95",
+    volume: "",
+    number: "",
     pages: "119-128",
 };
 

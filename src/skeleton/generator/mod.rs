@@ -45,7 +45,7 @@ pub trait Generator: Sync {
     /// One line: how it grows trees.
     fn help(&self) -> &'static str;
 
-    /// What its method is from: for those who cite a tree of it.
+    /// What its method is from, whatever its knobs say. [`Settings::publications`] is for those who cite a tree.
     fn publications(&self) -> &'static [Publication] {
         &[]
     }
@@ -112,6 +112,12 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
     /// Whether a knob's value is what [`Settings::written`] says already, so that documents need not name the knob.
     fn is_written(&self, _knob: &str) -> bool {
         false
+    }
+
+    /// What the method is from that grows a tree of these settings: those of the generator, and those of what its knobs
+    /// ask for.
+    fn publications(&self) -> Vec<Publication> {
+        self.generator().publications().to_vec()
     }
 
     /// Turns a knob to a value that its kind has checked; whether these settings have such a knob.
