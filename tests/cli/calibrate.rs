@@ -71,7 +71,9 @@ fn trees_twice_as_tall_part_in_any_unit() {
     let lines: Vec<String> =
         heights.iter().map(|height| format!("Abies,{},", 2.0 * height / 0.3048)).collect();
     folder.write("firs.csv", format!("species,Height_ft,dbh_cm\n{}\nAbies,,40\n", lines.join("\n")));
-    let calibration = json(&folder, "firs.csv");
+    let said = calibrate(&folder, "firs.csv", &["--seeds", "24", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let calibration = said.json();
     let height = of(&calibration, "height_m");
     assert_eq!(height["parts"], true);
     assert_eq!(height["measured"]["trees"], 24);
@@ -85,14 +87,99 @@ fn trees_twice_as_tall_part_in_any_unit() {
 }
 
 #[test]
+fn p_of_few_trees_is_exact() {
+    let folder = Folder::new();
+    // 100 m are taller than all firs: D is 1, of two and two that is so for 2 of 6 divisions, of twelve and one for 2 of 13.
+    for (table, seeds, p) in [("height_m\n100\n101\n", "2", 1.0 / 3.0), ("height_m\n100\n", "12", 2.0 / 13.0)]
+    {
+        folder.write("firs.csv", table);
+        let calibration = calibrate(&folder, "firs.csv", &["--seeds", seeds, "--json"]).done().json();
+        let height = of(&calibration, "height_m");
+        assert_eq!(height["distance"].as_f64(), Some(1.0));
+        assert!((height["p"].as_f64().unwrap() - p).abs() < 1e-12, "{height}");
+    }
+}
+
+#[test]
+fn tables_of_spreadsheets_are_read_with_decimal_commas() {
+    let folder = Folder::new();
+    folder.write("plain.csv", "species,height_m,dbh_cm\nAbies,9.25,20\nAbies,10.5,22.5\n");
+    let expected = json(&folder, "plain.csv")["numbers"].clone();
+    for table in [
+        "species;height_m;dbh_cm\nAbies;9,25;20\nAbies;10,5;22,5\n",
+        "\u{feff}species;height_m;dbh_cm\r\nAbies;9.25;20\r\nAbies;10.5;22.5\r\n;;\r\n",
+        "species\theight_m\tdbh_cm\nAbies\t9,25\t20\nAbies\t10,5\t22,5\n",
+        "# measured in May; by hand\nspecies;\"height_m\";dbh_cm\nAbies, alba;\"9,25\";20\nAbies;10,5;22,5;\n",
+    ] {
+        folder.write("firs.csv", table);
+        let calibration = json(&folder, "firs.csv");
+        assert_eq!(calibration["numbers"], expected, "{table}");
+        assert_eq!(calibration["measured"], 2, "{table}");
+    }
+    folder.write("firs.csv", "height_m\n9,25\n10,5\n");
+    assert_eq!(of(&json(&folder, "firs.csv"), "height_m"), &expected[0], "one column");
+}
+
+#[test]
+fn what_is_missing_and_what_no_tree_has_is_noted() {
+    let folder = Folder::new();
+    folder.write("firs.csv", "height_m,dbh_m,nodes\n9,NA,\n,0.2,nan\nNaN,0.25,\n10,0.3,-\n");
+    let noted = |further: &[&str]| {
+        let said = calibrate(&folder, "firs.csv", further);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said
+    };
+    let said = noted(&["--seeds", "2", "--json"]);
+    let note = "note: firs.csv: trees without a value (empty, NA, NaN or -) are left out: height_m 2 of 4, dbh_m 1 of 4, \
+                nodes 4 of 4\n";
+    assert!(said.err.contains(note), "{}", said.err);
+    let calibration = said.json();
+    assert_eq!(
+        (&calibration["measured"], &calibration["left_out"]),
+        (&4.into(), &serde_json::json!(["nodes"]))
+    );
+    let height = of(&calibration, "height_m");
+    assert_eq!((&height["measured"]["trees"], &height["missing"]), (&2.into(), &2.into()));
+
+    folder.write("firs.csv", "height_m,dbh_m\n9,20\n1050,22.5\n");
+    let said = noted(&["--seeds", "2"]);
+    for note in [
+        "note: firs.csv: height_m is more than 150 m for 1 of 2 trees, which no tree has (line 3: 1050); if the column is in \
+         cm, name it height_cm\n",
+        "note: firs.csv: dbh_m is more than 20 m for 1 of 2 trees, which no tree has (line 3: 22.5); if the column is in cm, \
+         name it dbh_cm\n",
+    ] {
+        assert!(said.err.contains(note), "{}", said.err);
+    }
+    folder.write("firs.csv", "height_m,dbh_cm\n9,20\n150,1999\n");
+    let said = noted(&["--seeds", "2"]);
+    assert!(!said.err.contains("note: firs.csv"), "{}", said.err);
+}
+
+#[test]
 fn what_is_wrong_with_a_table_is_said() {
     let folder = Folder::new();
     for (table, said) in [
+        (
+            "species,height_m\nAbies,\"15,2\"\n",
+            "firs.csv:2: height_m is '15,2', expected a number like 12.5, or nothing: decimal commas are read where ';' or \
+             tabs stand between columns",
+        ),
+        (
+            "species,height_m,dbh_cm\nAbies,12,40\nAbies,15,2,40\n",
+            "firs.csv:3 has 4 fields, the header has 3: decimal commas are read where ';' or tabs stand between columns",
+        ),
+        (
+            "height_m,dbh_cm\ntall,\n",
+            "firs.csv:2: height_m is 'tall', expected a number like 12.5, or nothing",
+        ),
+        ("species;height_m\nAbies;1.015,2\n", "firs.csv:2: height_m is '1.015,2', expected a number"),
+        ("height_m,dbh_cm\nNA,\n", "firs.csv: none of its 1 trees has a number in height_m, dbh_cm"),
         ("height_m\n12\ntall\n", "firs.csv:3: height_m is 'tall', expected a number like 12.5, or nothing"),
         ("height\n12\n", "firs.csv has no column that is a number of 'linden stats'"),
         ("height_m,height_cm\n1,1\n", "two columns are height_m; keep one"),
         ("height_m\n", "firs.csv has no measured tree"),
-        ("height_m,dbh_m\n1\n", "firs.csv"),
+        ("height_m,dbh_m\n1\n", "firs.csv:2 has 1 field, the header has 2"),
         ("", "firs.csv has no column"),
     ] {
         folder.write("firs.csv", table);

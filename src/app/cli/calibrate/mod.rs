@@ -27,7 +27,8 @@ const USUAL_TREES: std::ops::RangeInclusive<u64> = 20..=200;
 
 /// Compare trees of many seeds with trees that were measured, number by number
 ///
-/// The table is CSV with a header, a line for each tree. Columns are compared whose names are those of 'linden stats'
+/// The table is CSV with a header, a line for each tree; between its columns are commas, semicolons or tabs, and where
+/// these are no commas, numbers may have decimal commas. Columns are compared whose names are those of 'linden stats'
 /// ('linden schema --stats' lists them). Lengths end in their unit: m, cm, mm, ft or in. Where trees differ too little
 /// from each other, give knobs a spread: --set internode='0.17 ± 0.01'.
 #[derive(Args)]
@@ -66,6 +67,8 @@ struct Row {
     name: &'static str,
     unit: &'static str,
     measured: Moments,
+    /// Lines of the table without a value.
+    missing: usize,
     grown: Option<Moments>,
     /// The mean that was grown ÷ the mean that was measured, less 1.
     differs_by: Option<f64>,
@@ -107,6 +110,7 @@ impl Calibrate {
         let progress = Progress::new();
         let source = self.growing.resolve(&progress)?;
         let measured = Measured::read(&self.against, &progress)?;
+        super::notes(&measured.notes, &progress);
         let preset = &source.recipe.preset;
         let trees = self
             .seeds
@@ -117,8 +121,7 @@ impl Calibrate {
             announce(all, &format!("{trees} trees, {} each", outlook.amount()));
         }
         let reports = grown(&source.recipe, trees, &progress)?;
-        let compared = measured.columns.len() as f64;
-        let row = |(number, sample): &(&'static Number, Sample)| row(number, sample, &reports, compared);
+        let row = |(number, sample): &(&'static Number, Sample)| row((number, sample), &measured, &reports);
         let calibration = Calibration {
             source: preset.id.clone(),
             grown: reports.len(),
@@ -167,7 +170,7 @@ fn grown(base: &linden::recipe::Recipe, trees: u64, progress: &Progress) -> anyh
     Ok(reports)
 }
 
-fn row(number: &'static Number, measured: &Sample, reports: &[Report], compared: f64) -> Row {
+fn row((number, measured): (&'static Number, &Sample), table: &Measured, reports: &[Report]) -> Row {
     let values = reports.iter().filter_map(|report| (number.reading)(report).number());
     let grown = Sample::of(values);
     let parting = grown.as_ref().map(|grown| grown.parting(measured));
@@ -177,11 +180,12 @@ fn row(number: &'static Number, measured: &Sample, reports: &[Report], compared:
         name: number.name,
         unit: number.unit,
         measured: Moments::of(measured),
+        missing: table.trees - measured.len(),
         grown: grown.as_ref().map(Moments::of),
         differs_by,
         distance: parting.map(|Parting { distance, .. }| distance),
         p: parting.map(|Parting { p, .. }| p),
-        parts: parting.map(|Parting { p, .. }| p < LEAST_P / compared),
+        parts: parting.map(|Parting { p, .. }| p < LEAST_P / table.columns.len() as f64),
     }
 }
 
