@@ -7,8 +7,18 @@ use linden::report::NUMBERS;
 
 use crate::program::{Folder, Said, linden};
 
-const SWEEP: [&str; 9] =
-    ["sweep", "abop-honda-a", "--define", "r1=0.7:0.9:0.1", "--set", "derivations=4,5", "--seeds", "2", "-o"];
+/// All of it changes the trees: turns that are jittered are others for each seed.
+const SWEEP: [&str; 9] = [
+    "sweep",
+    "abop-honda-a",
+    "--define",
+    "r1=0.7:0.9:0.1",
+    "--set",
+    "angle_jitter=3,5",
+    "--seeds",
+    "2",
+    "-o",
+];
 
 fn sweep(folder: &Folder, file: &str, further: &[&str]) -> Said {
     let args: Vec<&str> = SWEEP.iter().copied().chain([file]).chain(further.iter().copied()).collect();
@@ -57,12 +67,12 @@ fn a_sweep_is_the_product_of_its_values_with_what_stats_says_of_each() {
     let table = text(&folder, "table.csv");
     let rows = rows(&table);
     let keys = |row: &BTreeMap<String, String>| {
-        ["item", "define.r1", "set.derivations", "seed"].map(|key| row[key].clone()).join(" ")
+        ["item", "define.r1", "set.angle_jitter", "seed"].map(|key| row[key].clone()).join(" ")
     };
     let expected: Vec<String> = ["0.7", "0.8", "0.9"]
         .iter()
         .flat_map(|r1| {
-            ["4", "5"].iter().flat_map(move |n| [1, 2].iter().map(move |seed| format!("{r1} {n} {seed}")))
+            ["3", "5"].iter().flat_map(move |n| [1, 2].iter().map(move |seed| format!("{r1} {n} {seed}")))
         })
         .enumerate()
         .map(|(i, key)| format!("{} {key}", i + 1))
@@ -71,7 +81,7 @@ fn a_sweep_is_the_product_of_its_values_with_what_stats_says_of_each() {
 
     let row = &rows[6];
     let stats = folder
-        .run(&["stats", "abop-honda-a", "--define", "r1=0.8", "--set", "derivations=5", "--json"])
+        .run(&["stats", "abop-honda-a", "--define", "r1=0.8", "--set", "angle_jitter=5", "--json"])
         .done()
         .json();
     for number in NUMBERS {
@@ -90,6 +100,34 @@ fn a_sweep_is_the_product_of_its_values_with_what_stats_says_of_each() {
     let again = folder.run(&["stats", "again.json", "--json"]).done().json();
     assert_eq!(again["skeleton_hash"], row["skeleton_hash"].as_str());
     assert_eq!(row["error"], "");
+}
+
+#[test]
+fn what_changes_nothing_in_a_sweep_is_noted() {
+    let folder = Folder::new();
+    let sweep = |args: &[&str], file: &str| {
+        let said = folder.run(&[&["sweep", "abop-honda-a", "-o", file], args].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.err
+    };
+    let note = |name: &str| {
+        format!(
+            "note: {name} changes nothing in this table: trees that differ by it alone have the same skeleton, organs and \
+             numbers\n"
+        )
+    };
+    // Its turns have angles of their own, and there is no chance in it.
+    let idle = ["--define", "r1=0.7,0.8", "--set", "angle=20,30", "--set", "derivations=4,5", "--seeds", "2"];
+    let expected = note("angle") + &note("seed");
+    assert_eq!(sweep(&idle, "a.csv"), expected);
+    assert_eq!(sweep(&idle, "a.jsonl"), expected);
+    // What changes the surface alone is no less a change.
+    assert_eq!(sweep(&["--set", "derivations=4", "--set", "sides=6,8"], "b.csv"), "");
+    // Of a table that was begun before nothing is said.
+    let whole = text(&folder, "a.csv");
+    folder.write("a.csv", &whole[..whole.len() / 2]);
+    assert_eq!(sweep(&[&idle[..], &["--resume"]].concat(), "a.csv"), "");
+    assert!(text(&folder, "a.csv") == whole);
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! `linden sweep`: many trees of one source, a row of numbers each.
 
+mod effects;
 mod rows;
 mod work;
 
@@ -13,6 +14,7 @@ use linden::manifest::values;
 use linden::preset::knob_named;
 use linden::recipe::Recipe;
 
+use self::effects::Effects;
 use self::rows::{Existing, Opened, Table, TableKind};
 use super::GrowArgs;
 use super::placing::is_dash;
@@ -26,7 +28,8 @@ const MOST: usize = 10_000_000;
 /// Grow and measure a source with all combinations of some values, a row of a table each
 ///
 /// --set and --define take a range from:to:step (inclusive, like 0.5:0.9:0.1), a list a,b,c, or one value.
-/// The columns are those of 'linden stats', which 'linden schema --stats' defines.
+/// The columns are those of 'linden stats', which 'linden schema --stats' defines. A knob, a constant or seeds that
+/// change nothing in any tree are named at the end.
 #[derive(Args)]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Sweep {
@@ -73,6 +76,15 @@ enum Varied {
     /// A constant of the grammar.
     Constant(String),
     Knob(String),
+}
+
+impl Varied {
+    /// The name of the constant or knob.
+    fn name(&self) -> &str {
+        match self {
+            Self::Constant(name) | Self::Knob(name) => name,
+        }
+    }
 }
 
 /// One tree of a sweep.
@@ -191,6 +203,8 @@ impl Sweep {
         let Opened { mut table, done, mut failed } =
             Table::open(&self.output, kind, (&keys, &header), existing, expected)?;
         let work = work::Work { plan: &plan, first: done };
+        // Of rows that were there already nothing is known any more.
+        let mut effects = (done == 0).then(|| Effects::of(&plan));
         let mut stopped = None;
         let on_screen = is_dash(&self.output) && std::io::stdout().is_terminal();
         work.run(&progress, |item, row, times| {
@@ -199,6 +213,9 @@ impl Sweep {
                 progress.beside(|| table.write(&line))?;
             } else {
                 table.write(&line)?;
+            }
+            if let Some(effects) = &mut effects {
+                effects.take(row.measured.as_ref().ok());
             }
             if let Err(error) = row.measured {
                 failed += 1;
@@ -214,6 +231,9 @@ impl Sweep {
         })?;
         table.finish()?;
         progress.clear();
+        if stopped.is_none() {
+            super::notes(&effects.map_or_else(Vec::new, |effects| effects.notes()), &progress);
+        }
         match (stopped, failed) {
             (Some(said), _) => bail!("{said}"),
             (None, 0) => Ok(()),
