@@ -24,7 +24,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 pub struct Billboard {
     /// How many upright planes cross each other, 1 to 4, at equal angles.
     pub planes: u32,
-    /// Height of the picture, pixels; a wide tree's picture is up to twice as wide as that and lower.
+    /// Height of the picture, pixels, of which a wide tree may not fill all; it is a quarter as wide up to twice as wide.
     pub size_px: u32,
 }
 
@@ -43,8 +43,8 @@ pub enum BillboardError {
 /// How much of the light that the crown takes from itself is drawn as lost: planes shade each other, too. Fitted to an oak, a
 /// birch and a spruce on two and three planes, as Cycles shows them.
 const SHADE_SHARE: f32 = 0.6;
-/// Graphics cards compress pictures in blocks of 4 × 4 pixels, and only whole ones.
-const BLOCK_PX: u32 = 4;
+/// A picture may be so much coarser than its height allows, before it gets twice as wide.
+const COARSER: f32 = 1.2;
 /// Neither leaves nor bark shine from afar.
 const ROUGHNESS: f32 = 0.9;
 
@@ -165,28 +165,37 @@ impl Cell {
 }
 
 impl Sheet {
+    /// As wide as its height, twice, half or a quarter of that: powers of two where the height is one, which all engines take as
+    /// they are.
     fn new(frames: &[Frame], size_px: u32) -> Self {
         let margins = 2 * MARGIN_PX;
         let height_m = frames.iter().map(|frame| frame.size().y).fold(0.0, f32::max);
         let width_m: f32 = frames.iter().map(|frame| frame.size().x).sum();
-        // Each rounds up, and all of it once more.
-        let room_px = (2 * size_px).saturating_sub((margins + 1) * frames.len() as u32 + BLOCK_PX);
-        let texel_m = (height_m / (size_px - margins) as f32).max(width_m / room_px.max(size_px / 2) as f32);
-        // What is a whole number of pixels but for rounding takes no more.
-        let pixels = |metres: f32| (metres / texel_m - 1e-3).ceil() as u32 + margins;
-        let mut next = 0;
-        let cells: Vec<Cell> = frames
-            .iter()
-            .map(|frame| {
+        let all_margins = margins * frames.len() as u32;
+        let at_full_height = height_m / (size_px - margins) as f32;
+        let at_width = |width: u32| width_m / width.saturating_sub(all_margins).max(1) as f32;
+        let widths = [size_px / 4, size_px / 2, size_px, 2 * size_px];
+        let fits = |width: &u32| *width > 2 * all_margins && at_width(*width) < COARSER * at_full_height;
+        let width = widths.into_iter().find(fits).unwrap_or(2 * size_px);
+        let mut texel_m = at_full_height.max(at_width(width));
+        loop {
+            // What is a whole number of pixels but for rounding takes no more.
+            let pixels = |metres: f32| (metres / texel_m - 1e-3).ceil() as u32 + margins;
+            let mut next = 0;
+            let cells = frames.iter().map(|frame| {
                 let size = Pixels::new(pixels(frame.size().x), pixels(height_m));
                 let first = Pixels::new(next, 0);
                 next += size.x;
                 Cell { first, size }
-            })
-            .collect();
-        let height = cells.iter().map(|cell| cell.size.y).max().unwrap_or(1);
-        let whole = |pixels: u32| pixels.max(1).next_multiple_of(BLOCK_PX);
-        Self { size: Pixels::new(whole(next), whole(height)), cells, texel_m }
+            });
+            let cells: Vec<Cell> = cells.collect();
+            // Each rounds up.
+            if next <= width || texel_m > 2.0 * at_width(width) {
+                let size = Pixels::new(width.max(next), size_px);
+                return Self { size, cells, texel_m };
+            }
+            texel_m *= 1.001;
+        }
     }
 
     /// A rectangle for each plane.
