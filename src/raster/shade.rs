@@ -391,9 +391,8 @@ mod tests {
         let mesh = linden_pipeline::mesh::Mesh {
             positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
             normals: vec![Vec3::Z; 4],
-            uvs: corners.map(|(x, y)| Vec2::new((x + 1.0) / 2.0, y / 2.0)).to_vec(),
+            uvs: corners.map(|(x, y)| Vec2::new(0.5 + x / 2.0, y / 2.0)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Default::default()
         };
         let cells = Cells::around(&BOX, false);
         cells.add_part(&Part::new("billboard", 0, mesh), &material);
