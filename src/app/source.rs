@@ -5,7 +5,7 @@ pub mod forest;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, bail};
+use anyhow::Context;
 use linden::Monitor;
 use linden::forest::builtin_forest;
 use linden::grow::Grown;
@@ -268,12 +268,33 @@ impl<'a> Reader<'a> {
         let reading = || format!("reading {shown}");
         let name = file_name(path);
         match content.recipe(self.monitor).with_context(reading)? {
-            Some(json) => self.recipe(path, &shown, &json),
+            Some(json) => {
+                self.recipe(path, &shown, &json).or_else(|error| match error.downcast::<MissingFile>() {
+                    Ok(missing) => self.table_without(missing, path, &shown, content),
+                    Err(other) => Err(other),
+                })
+            }
             None if content.is_streamed(&name).with_context(reading)? => {
                 self.grown_into(Preset::of_points(&id_from(&name), &name), &name, content, &shown)
             }
             None => self.read(path, &shown, content.bytes(self.monitor).with_context(reading)?),
         }
+    }
+
+    /// The cylinders of a table whose recipe cannot be grown again, for lack of a file.
+    fn table_without(
+        &mut self,
+        missing: MissingFile,
+        path: Option<&Path>,
+        shown: &str,
+        content: Content,
+    ) -> anyhow::Result<Recipe> {
+        let bytes = content.bytes(self.monitor).with_context(|| format!("reading {shown}"))?;
+        if !matches!(sniff(&bytes, &file_name(path)), Ok(InputKind::Cylinders { .. })) {
+            return Err(missing.into());
+        }
+        self.notes.push(format!("{missing}; until then its cylinders grow as they stand in the table"));
+        self.read(path, shown, bytes)
     }
 
     /// A preset with the one file that it is made for.
@@ -400,7 +421,8 @@ impl<'a> Reader<'a> {
                         let said = format!(
                             "{error}; put it there, name one that is there, or say with --allow-path where it is"
                         );
-                        bail!("{}: reading {}: {said}", place(), show(&beside));
+                        let said = format!("{}: reading {}: {said}", place(), show(&beside));
+                        return Err(MissingFile(said).into());
                     }
                     None => {
                         let reading = format!("{}: reading {}", place(), show(&beside));
@@ -434,6 +456,11 @@ impl<'a> Reader<'a> {
         Ok(None)
     }
 }
+
+/// A file that a document names and that is not there.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+struct MissingFile(String);
 
 /// A path's last part; empty for standard input.
 fn file_name(path: Option<&Path>) -> String {

@@ -147,6 +147,18 @@ fn the_mixed_wood_as_it_is_stays_a_file_that_opens() {
 }
 
 #[test]
+fn levels_planes_and_wind_have_the_flags_of_exports() {
+    let folder = Folder::new();
+    let forest = ["forest", "dressed-simple", "--area", "10", "--trees", "2"];
+    let flags = ["--lods", "2", "--lod-ratio", "0.3", "--billboard", "--wind"];
+    let by_flags = exported(&folder, &[&forest[..], &flags].concat());
+    let set = ["lods=2", "lod_ratio=0.3", "billboard=2", "wind=attributes"];
+    let knobs: Vec<&str> = set.iter().flat_map(|pair| ["--set", pair]).collect();
+    assert!(by_flags == exported(&folder, &[&forest[..], &knobs].concat()));
+    assert!(by_flags != exported(&folder, &forest), "they change something");
+}
+
+#[test]
 fn trees_that_compete_are_all_different_and_one_growth() {
     let folder = Folder::new();
     let line = ["forest", "dressed-simple", "--area", "24", "--spacing", "6", "--trees", "4", "--compete"];

@@ -222,6 +222,27 @@ fn files_of_a_recipe_in_another_folder_are_found_where_the_user_says_or_stands()
 }
 
 #[test]
+fn a_table_whose_recipe_lacks_a_file_is_what_its_rows_say() {
+    let folder = Folder::new();
+    folder.write("leaf.png", linden::picture::Picture::new(2, 2, vec![90; 16]).png().unwrap());
+    folder.write("p.toml", with_leaf("leaf_picture", "leaf.png"));
+    std::fs::create_dir(folder.file("out")).unwrap();
+    folder.run(&["export", "p.toml", "-o", "out/p.csv", "-o", "out/p.glb", "--set", "bark_size=64"]).done();
+    let length = |said: &Said| {
+        let report: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+        report["total_length_m"].as_f64().unwrap()
+    };
+    let whole = length(&folder.run(&["stats", "p.toml", "--json"]));
+    std::fs::rename(folder.file("leaf.png"), folder.file("moved.png")).unwrap();
+    let said = folder.run(&["stats", "out/p.csv", "--json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("leaf.png") && said.err.contains("as they stand in the table"), "{}", said.err);
+    assert!((length(&said) / whole - 1.0).abs() < 1e-3);
+    // What is no table cannot do without.
+    assert_eq!(folder.run(&["stats", "out/p.glb"]).code, Some(1));
+}
+
+#[test]
 fn what_the_user_names_may_lie_anywhere_and_its_recipe_says_what_to_allow() {
     let folder = Folder::new();
     folder.write("leaf.png", linden::picture::Picture::new(2, 2, vec![90; 16]).png().unwrap());

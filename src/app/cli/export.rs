@@ -49,24 +49,8 @@ pub struct Export {
     #[command(flatten)]
     budget: super::Budget,
 
-    /// So many levels of detail, the same tree with fewer triangles each time, or a budget of triangles
-    /// for each, like 50000,15000,4000; the same as --set lods=N or --set `lod_triangles=LIST`
-    #[arg(long, value_name = "N|LIST")]
-    lods: Option<String>,
-
-    /// Triangles of a level / triangles of the one before (the knob `lod_ratio`)
-    #[arg(long, value_name = "X")]
-    lod_ratio: Option<f64>,
-
-    /// A last level of crossed planes with pictures of the tree, two or as many as said; the same as
-    /// --set billboard=N
-    #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
-    billboard: Option<u32>,
-
-    /// Wind: attributes at the vertices for shaders; with =sway a loop that viewers play too, with
-    /// =bones that loop by joints; the same as --set wind=WORD
-    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "attributes", add = complete::values_of("wind"))]
-    wind: Option<String>,
+    #[command(flatten)]
+    looks: super::Looks,
 
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
     /// like spring=0.05; all is all named ones, as when none is given. USD holds them as variants, every other format
@@ -102,15 +86,8 @@ impl Export {
         let of_client = self.outputs.profile()?.map_or(&[][..], |profile| profile.knobs);
         let of_client = of_client.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
         let settings: Vec<_> = of_client.chain(settings).collect();
-        let flags = [
-            ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
-            ("billboard", self.billboard.map(|n| n.to_string())),
-            ("wind", self.wind.clone()),
-        ];
-        let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
-        let lods = self.lods.as_deref().map(super::lods);
         let settings: Vec<_> =
-            settings.into_iter().chain(self.budget.pair()).chain(lods).chain(flags).collect();
+            settings.into_iter().chain(self.budget.pair()).chain(self.looks.pairs()).collect();
         let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
             Some(list) => Season::parse_list(list).map_err(usage)?,

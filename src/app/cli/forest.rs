@@ -37,6 +37,9 @@ pub struct Forest {
     settings: Vec<String>,
 
     #[command(flatten)]
+    looks: super::Looks,
+
+    #[command(flatten)]
     outputs: Outputs,
 
     #[command(flatten)]
@@ -94,7 +97,8 @@ impl Forest {
         let mut sources = Vec::new();
         let mut forest = self.resolve(&mut sources, &progress)?;
         let flags = self.layout.set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
-        let turned: Vec<(String, String)> = knobs.into_iter().chain(flags).collect();
+        let turned: Vec<(String, String)> =
+            knobs.into_iter().chain(self.looks.pairs()).chain(flags).collect();
         for (name, value) in &turned {
             turn(&mut forest, name, value)?;
         }

@@ -204,6 +204,42 @@ impl Budget {
     }
 }
 
+/// What is shown of a plant from near and far, and in the wind: shared by the commands that write it.
+#[derive(Args)]
+struct Looks {
+    /// So many levels of detail, the same tree with fewer triangles each time, or a budget of triangles
+    /// for each, like 50000,15000,4000; the same as --set lods=N or --set `lod_triangles=LIST`
+    #[arg(long, value_name = "N|LIST")]
+    lods: Option<String>,
+
+    /// Triangles of a level / triangles of the one before (the knob `lod_ratio`)
+    #[arg(long, value_name = "X")]
+    lod_ratio: Option<f64>,
+
+    /// A last level of crossed planes with pictures of the tree, two or as many as said; the same as
+    /// --set billboard=N
+    #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
+    billboard: Option<u32>,
+
+    /// Wind: attributes at the vertices for shaders; with =sway a loop that viewers play too, with
+    /// =bones that loop by joints; the same as --set wind=WORD
+    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "attributes", add = complete::values_of("wind"))]
+    wind: Option<String>,
+}
+
+impl Looks {
+    /// The knobs that they are.
+    fn pairs(&self) -> impl Iterator<Item = (String, String)> {
+        let flags = [
+            ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
+            ("billboard", self.billboard.map(|n| n.to_string())),
+            ("wind", self.wind.clone()),
+        ];
+        let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+        self.lods.as_deref().map(lods).into_iter().chain(flags)
+    }
+}
+
 impl GrowArgs {
     /// The source with its knobs turned. Notes about it go to standard error.
     fn resolve(&self, progress: &Progress) -> anyhow::Result<Source> {
