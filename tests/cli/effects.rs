@@ -300,3 +300,20 @@ fn what_pivots_in_pictures_cannot_hold_is_said() {
         assert!(said.code == Some(0) && said.err.contains(part), "{args:?}: {}", said.err);
     }
 }
+
+#[test]
+fn an_obstacle_that_nothing_meets_is_named() {
+    let folder = Folder::new();
+    let noted = |at: &str| {
+        let part = format!(
+            "role = \"obstacle\"\ncrown = \"cylinder\"\ncrown_height = 3\ncrown_radius = 1\nat = {at}\n"
+        );
+        let crown = "id = \"w\"\n[colonization]\ncrown = \"dome\"\ncrown_radius = 4\npoints = 200\n";
+        folder.write("w.toml", format!("{crown}[[colonization.part]]\n{part}"));
+        notes(&fine(run(&folder, &["stats", "w.toml"])))
+    };
+    assert!(noted("[3, 0, 0]").iter().all(|note| !note.contains("obstacle")), "within the crown");
+    // By centimetres that are taken for metres: its near side is 295 m beyond the crown.
+    let far = noted("[300, 0, 0]");
+    assert!(far.iter().any(|note| note.contains("part 1: this obstacle is 295.")), "{far:?}");
+}

@@ -12,6 +12,7 @@ use crate::crown::placed::PlacedCrown;
 use crate::crown::uneven::Uneven;
 use crate::crown::{self, Crown, CrownError};
 use linden_base::input::{Geometry, Inputs};
+use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 use linden_growth::site::{Stem, crown_base_m};
@@ -135,6 +136,7 @@ impl Standing {
         };
         let mut trees = vec![Tree { pieces: vec![(0, first)], root: foot, trunk_m: settings.growth.trunk_m }];
         let mut meshes = Vec::new();
+        let mut standing_about: Vec<(usize, Bounds)> = Vec::new();
         for (i, part) in parts.iter().enumerate() {
             monitor.check()?;
             let (solid, warnings) =
@@ -159,6 +161,7 @@ impl Standing {
                     trunk_m: part.trunk_m,
                 }),
                 Role::Obstacle => {
+                    standing_about.push((i + 1, crown.bounds()));
                     obstacles.push(Obstacle { solid: Arc::from(crown), meet: part.meet });
                 }
                 Role::Shade => shades.push(Shade { solid: crown, share: part.share }),
@@ -180,8 +183,29 @@ impl Standing {
             grove.others.extend(trees.iter().zip(&crowns).skip(1).map(other));
         }
         let crown = together(crowns, monitor)?;
+        let feet = trees.iter().map(|tree| tree.root.as_vec3());
+        let reach = feet.fold(crown.bounds(), |reach, foot| Bounds {
+            min: reach.min.min(foot),
+            max: reach.max.max(foot),
+        });
+        notes.extend(
+            standing_about.into_iter().filter_map(|(number, solid)| out_of_reach(number, &solid, &reach)),
+        );
         Ok(Self { crown, lift: 0.0, grove, obstacles, shades, notes, ..self })
     }
+}
+
+/// What is said of an obstacle that no branch can meet.
+fn out_of_reach(number: usize, solid: &Bounds, reach: &Bounds) -> Option<String> {
+    /// Branches may leave the crown so far, metres.
+    const BEYOND_M: f32 = 1.0;
+    let gap_m = (solid.min - reach.max).max(reach.min - solid.max).max_element();
+    (gap_m > BEYOND_M).then(|| {
+        format!(
+            "part {number}: this obstacle is {gap_m:.1} m away from the crown, and nothing meets it; if its mesh is in other units \
+             than metres, give 'scale'"
+        )
+    })
 }
 
 /// The crowns of all trees as one: where several reach, points are no denser.
