@@ -245,7 +245,7 @@ fn trees_that_compete_for_light_have_longer_boles_and_crowns_that_keep_apart() {
     let together = crowns(&stand);
     println!("alone {alone:?}, together {together:?}");
     assert!(together[0] > 1.25 * alone[0], "boles: {alone:?} {together:?}");
-    assert!(together[1] < 0.75 * alone[1], "widths: {alone:?} {together:?}");
+    assert!(together[1] < 0.8 * alone[1], "widths: {alone:?} {together:?}");
     assert!(together[2] < 0.25 * alone[2], "shared voxels: {alone:?} {together:?}");
 
     // On one thread and two, as meshes in a file that carries its recipe.
@@ -331,7 +331,7 @@ fn trees_of_a_stand_are_numbered_in_all_tables_and_scans() {
     folder.run(&[&["forest", "stand.toml"][..], &simple].concat()).done();
     assert_eq!(runs(&folder.read("s.csv"), ", ", "treeID"), numbers);
     // Read again, they are the same trees.
-    folder.run(&["export", "s.csv", "-o", "back.csv"]).done();
+    folder.run(&["export", "s.csv", "-o", "back.csv", "--set", "table_place=true"]).done();
     assert_eq!(runs(&folder.read("back.csv"), ",", "tree"), numbers);
 
     let scan = ["scan", "stand.toml", "-o", "p.ply", "--truth", "truth.csv", "--step", "0.5", "--beam", "0"];

@@ -160,7 +160,7 @@ fn table(header: &str, row: impl Fn([f64; 3]) -> String) -> String {
 fn a_header_says_which_columns_are_coordinates_or_a_note_which_were_taken() {
     let folder = Folder::new();
     folder.write("scan.xyz", scan());
-    let height = |name: &str| folder.run(&["stats", name, "--json"]).done().json()["height_m"].clone();
+    let height = |name: &str| folder.run(&["stats", name, "--json"]).json()["height_m"].clone();
     let expected = height("scan.xyz");
     let surveyed = |[x, y, z]: [f64; 3]| format!("7,{x},{y},{z}");
     folder.write("a.csv", table("id,Easting,Northing,Height", surveyed));
@@ -178,7 +178,7 @@ fn a_header_says_which_columns_are_coordinates_or_a_note_which_were_taken() {
     let said = folder.run(&["stats", "a.csv", "--json"]);
     assert!(said.err.contains("the first three columns, 'e', 'n' and 'up', were taken"), "{}", said.err);
     assert_eq!(said.json()["height_m"], expected);
-    let named = folder.run(&["stats", "scan.xyz"]).done();
+    let named = folder.run(&["stats", "scan.xyz"]);
     assert!(!named.err.contains("the first three columns"), "{}", named.err);
 }
 

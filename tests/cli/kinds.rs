@@ -34,7 +34,9 @@ fn show_lists_kinds_with_their_knobs() {
     assert!(row.split_whitespace().nth(1) == Some("0.25"), "{row}");
     let json = folder.run(&["show", "apple", "--json"]).out;
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
-    assert_eq!(json["kinds"], serde_json::json!([{ "address": "also.1", "label": "blossom" }]));
+    let kinds = [("also.1", "blossom"), ("also.2", "fruit")];
+    let kinds = kinds.map(|(address, label)| serde_json::json!({ "address": address, "label": label }));
+    assert_eq!(json["kinds"], serde_json::json!(kinds));
     let names: Vec<&str> =
         json["knobs"].as_array().unwrap().iter().map(|k| k["name"].as_str().unwrap()).collect();
     assert!(names.contains(&"also.1.leaf_keep"));
@@ -49,7 +51,7 @@ fn what_is_no_kind_is_said_and_nothing_is_written() {
     let folder = Folder::new();
     for (set, said) in [
         ("blosom.leaf_keep=0", "did you mean 'blossom'?"),
-        ("also.2.leaf_keep=0", "'apple' has: blossom (also.1)"),
+        ("also.3.leaf_keep=0", "'apple' has: blossom (also.1), fruit (also.2)"),
         ("also.1.leaf_kep=0", "did you mean 'leaf_keep'?"),
         ("glbb.instances=false", "glbb"),
     ] {

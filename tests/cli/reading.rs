@@ -118,10 +118,12 @@ fn what_carries_no_recipe_is_said() {
 fn a_recipe_whose_files_are_elsewhere_says_so() {
     let folder = Folder::new();
     let heart = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../presets/crowns/heart.obj");
-    folder.write("hull.obj", std::fs::read(heart).unwrap());
-    folder.write("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"hull.obj\"\npoints = 60\ninfluence = inf\n[bark]\nbark_size = 64\n");
-    std::fs::create_dir(folder.file("out")).unwrap();
-    folder.run(&["export", "p.toml", "-o", "out/p.glb"]).done();
+    for name in ["trees", "out"] {
+        std::fs::create_dir(folder.file(name)).unwrap();
+    }
+    folder.write("trees/hull.obj", std::fs::read(heart).unwrap());
+    folder.write("trees/p.toml", "id = \"p\"\n[colonization]\nenvelope = \"hull.obj\"\npoints = 60\ninfluence = inf\n[bark]\nbark_size = 64\n");
+    folder.run(&["export", "trees/p.toml", "-o", "out/p.glb"]).done();
     let said = folder.run(&["stats", "out/p.glb"]);
     assert_eq!(said.code, Some(1));
     assert!(

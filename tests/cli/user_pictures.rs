@@ -235,7 +235,9 @@ fn a_leafs_picture_turns_with_the_colours_that_are_given_for_it() {
     let leaf_in = |name: &str, season: &str, colors: &[&str]| {
         let file = format!("{name}.obj");
         let set = ["--set", "leaf_picture=leaf.png", "--set", season];
-        folder.run(&[&["export", "dressed-simple", "-o", &file][..], &SMALL, &set, colors].concat()).done();
+        let args = [&["export", "dressed-simple", "-o", &file][..], &SMALL, &set, colors].concat();
+        let said = folder.run(&args);
+        assert_eq!(said.code, Some(0), "{}", said.err);
         map(&folder, &format!("{name}.mtl"), "leaves", "map_Kd")
     };
     let red = ["--set", "autumn_colors=#c03020"];

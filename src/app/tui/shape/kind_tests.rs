@@ -102,7 +102,10 @@ fn kinds_are_saved_and_read_again() {
     let path = presets.join("apple-2.toml");
     let read = crate::source::resolve(&path, &[], &Quiet).unwrap().recipe.preset;
     assert_eq!(read, *bench.tree().preset());
-    assert_eq!(read.dressing.foliage.also.iter().map(|kind| kind.keep).collect::<Vec<_>>(), [0.25, 0.25]);
+    assert_eq!(
+        read.dressing.foliage.also.iter().map(|kind| kind.keep).collect::<Vec<_>>(),
+        [0.25, 0.4, 0.25]
+    );
     let document = std::fs::read_to_string(path).unwrap();
     assert!(document.contains("[[foliage.also]] # clusters on short spurs"), "{document}");
 }
