@@ -132,9 +132,9 @@ fn a_recipe_whose_files_are_elsewhere_says_so() {
         said.err
     );
     // Beside it, and then another one of that name.
-    folder.write("out/hull.obj", folder.read("hull.obj"));
+    folder.write("out/hull.obj", folder.read("trees/hull.obj"));
     folder.run(&["stats", "out/p.glb"]).done();
-    folder.write("out/hull.obj", [&folder.read("hull.obj")[..], b"# other\n"].concat());
+    folder.write("out/hull.obj", [&folder.read("trees/hull.obj")[..], b"# other\n"].concat());
     let said = folder.run(&["stats", "out/p.glb"]);
     assert_eq!(said.code, Some(0));
     assert!(said.err.contains("hull.obj is not the file that the recipe was made with"), "{}", said.err);
