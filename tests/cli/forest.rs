@@ -335,7 +335,8 @@ fn trees_of_a_stand_are_numbered_in_all_tables_and_scans() {
     assert_eq!(runs(&folder.read("back.csv"), ",", "tree"), numbers);
 
     let scan = ["scan", "stand.toml", "-o", "p.ply", "--truth", "truth.csv", "--step", "0.5", "--beam", "0"];
-    folder.run(&scan).done();
+    let said = folder.run(&scan);
+    assert_eq!(said.code, Some(0), "{}", said.err);
     let truth = folder.read("truth.csv");
     assert_eq!(runs(&truth, ",", "tree"), numbers);
     // Each has the length of its cylinders, and stands at the foot of one of its stems.

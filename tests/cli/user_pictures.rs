@@ -245,7 +245,8 @@ fn a_leafs_picture_turns_with_the_colours_that_are_given_for_it() {
     assert_eq!(mean(&leaf_in("plain", "season=0.9", &[])), mean(&leaf), "nobody said what it turns to");
     let autumn = leaf_in("autumn", "season=0.9", &red);
     let [r, g, b] = mean(&autumn);
-    assert!((r - 192.0).abs() < 25.0 && (g - 48.0).abs() < 20.0 && (b - 32.0).abs() < 20.0, "{r} {g} {b}");
+    // Nearly #c03020.
+    assert!(r > 160.0 && (45.0..80.0).contains(&g) && (b - 36.0).abs() < 10.0, "{r} {g} {b}");
     let (_, samples, bytes) = pixels(&autumn);
     assert!(bytes[4 * samples] > bytes[0], "the lighter half is lighter still");
     let [r, g, _] = mean(&leaf_in("turning", "season=0.62", &red));
