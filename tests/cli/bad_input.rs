@@ -60,6 +60,19 @@ fn names_that_do_not_exist() {
 }
 
 #[test]
+fn a_source_in_the_place_of_a_command_is_told_which_commands_take_it() {
+    for preset in ["oak", "mixed-wood"] {
+        let open = format!("'linden open {preset}' shows it in the workbench");
+        refused_usage(&[preset], &["unrecognized subcommand", &open, &format!("'linden preview {preset}'")]);
+    }
+    let folder = Folder::new();
+    folder.write("my.toml", "id = \"my\"\n");
+    refused(&folder, 2, &["my.toml"], &["'linden open my.toml'"]);
+    let said = folder.run(&["oakk"]);
+    assert!(said.code == Some(2) && !said.err.contains("linden open"), "{}", said.err);
+}
+
+#[test]
 fn knobs_turned_wrong() {
     let fir = |setting: &'static str| ["export", "fir", "-o", "x.glb", "--set", setting];
     refused_usage(

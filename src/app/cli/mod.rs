@@ -42,7 +42,7 @@ mod workbench;
 
 use std::cell::LazyCell;
 use std::io::{self, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Styles};
@@ -412,13 +412,28 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
     print(&(serde_json::to_string_pretty(value)? + "\n"))
 }
 
+/// Where the command is left out and a source stands in its place, says which commands take it.
+fn tell_what_takes_a_source(error: &mut clap::Error) {
+    use clap::error::{ContextKind, ContextValue};
+    let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidSubcommand) else { return };
+    let source = Path::new(typed);
+    let is_preset = linden::preset::builtin(typed).is_ok() || linden::forest::builtin_forest(typed).is_ok();
+    if !is_preset && !source.is_file() && !matches!(crate::source::user_preset(source), Ok(Some(_))) {
+        return;
+    }
+    let typed = crate::paths::show(source);
+    let tip = format!("'linden open {typed}' shows it in the workbench, 'linden preview {typed}' draws it");
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+}
+
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
     crate::system::outlive_file_limits();
     completions::answer(Cli::command);
     let mut cli = match Cli::try_parse() {
         Ok(cli) => cli,
-        Err(error) => {
+        Err(mut error) => {
+            tell_what_takes_a_source(&mut error);
             // Help and version go to standard output with 0, mistakes to standard error with 2.
             let code = u8::try_from(error.exit_code()).unwrap_or(2);
             let _ = error.print();
