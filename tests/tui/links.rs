@@ -85,21 +85,20 @@ fn answered(workbench: &Workbench, link: Link, pane: &str, key: &str) -> Answere
     }
 }
 
-/// What keys waited for, sorted: the round trip and the queue.
-fn waits(case: &Case, pane: &str) -> Vec<Duration> {
-    let answers = answers(case, pane, 9);
-    let mut waits: Vec<Duration> = answers.iter().map(|a| case.link.round_trip + a.queued).collect();
-    waits.sort_unstable();
-    let whole: Vec<_> = answers.iter().map(|a| (a.program, a.whole)).collect();
-    println!(
-        "{} {pane}: round trip and queue {waits:?}; the program's own time, and on the clock {whole:?}",
-        case.name
-    );
-    waits
-}
-
 #[test]
 fn pictures_leave_room_for_keys() {
+    // What keys waited for, sorted: the round trip and the queue.
+    let waits = |case: &Case, pane: &str| {
+        let answers = answers(case, pane, 9);
+        let mut waits: Vec<Duration> = answers.iter().map(|a| case.link.round_trip + a.queued).collect();
+        waits.sort_unstable();
+        let whole: Vec<_> = answers.iter().map(|a| (a.program, a.whole)).collect();
+        println!(
+            "{} {pane}: round trip and queue {waits:?}; the program's own time, and on the clock {whole:?}",
+            case.name
+        );
+        waits
+    };
     // A single one may have met a long piece; `cargo bench --bench tui` tells what 95 % wait.
     let is_within = |waits: &[Duration], budget: Duration| {
         waits[waits.len() / 2] <= budget && waits[waits.len() - 1] <= 2 * budget
