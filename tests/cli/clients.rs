@@ -51,6 +51,23 @@ fn levels_take_a_file_each_where_that_is_asked_for() {
 }
 
 #[test]
+fn bodies_stand_in_the_finest_levels_file_alone_and_are_few_enough_for_lint() {
+    let folder = Folder::new();
+    folder
+        .run(&[&SMALL[..], &["--for", "godot", "-o", "g.glb", "--lods", "2", "--billboard"]].concat())
+        .done();
+    let bodies = |file: &str| {
+        let nodes = document(&folder.read(file))["nodes"].as_array().unwrap().clone();
+        nodes.iter().filter(|node| node["name"].as_str().unwrap().ends_with("-convcolonly")).count()
+    };
+    assert!((1..=4).contains(&bodies("g_LOD0.glb")), "{}", bodies("g_LOD0.glb"));
+    assert_eq!([bodies("g_LOD1.glb"), bodies("g_LOD2.glb")], [0, 0]);
+    folder.run(&["verify", "g_LOD0.glb", "g_LOD1.glb", "g_LOD2.glb"]).done();
+    let said = folder.run(&["lint", "g_LOD0.glb"]);
+    assert!(!said.out.contains("collider"), "{}", said.out);
+}
+
+#[test]
 fn what_a_program_does_not_read_is_said() {
     let folder = Folder::new();
     let said = folder.run(&[&SMALL[..], &["--for", "bevy", "-o", "a.glb", "--quantize"]].concat());

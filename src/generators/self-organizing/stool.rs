@@ -112,9 +112,9 @@ mod tests {
         assert!(stems(&upright, DVec2::ZERO, Key::new(9)).all(|stem| stem.direction == DVec3::Y));
     }
 
-    #[test]
-    fn the_stems_of_a_stool_thin_themselves_in_each_others_shade() {
-        let stool = |stool_m| SelfOrganizing {
+    /// So many stems that those of a small stool die.
+    fn crowded(stool_m: f64) -> SelfOrganizing {
+        SelfOrganizing {
             stems: 60,
             stool_m,
             stem_lean_deg: 0.0,
@@ -123,25 +123,20 @@ mod tests {
             shade: 0.35,
             shed: 0.3,
             ..hazel()
-        };
-        let died = [0.1, 0.2, 10.0].map(|stool_m| grow(&stool(stool_m), Key::new(3), &Quiet).unwrap().died);
+        }
+    }
+
+    #[test]
+    fn the_stems_of_a_stool_thin_themselves_in_each_others_shade() {
+        let died = [0.1, 0.2, 10.0].map(|stool_m| grow(&crowded(stool_m), Key::new(3), &Quiet).unwrap().died);
         assert!(died[0] >= died[1] && died[1] > 0 && died[2] == 0, "{died:?}");
-        assert_eq!(feet(&stool(0.2)).len(), 60 - died[1]);
+        assert_eq!(feet(&crowded(0.2)).len(), 60 - died[1]);
     }
 
     /// The second of three stools is felled, and some rods of the others die.
     #[test]
     fn each_foot_says_which_stool_it_is_of() {
-        let settings = SelfOrganizing {
-            stems: 60,
-            stool_m: 0.2,
-            stem_lean_deg: 0.0,
-            years: 20,
-            light: LightModel::Sky,
-            shade: 0.35,
-            shed: 0.3,
-            ..hazel()
-        };
+        let settings = crowded(0.2);
         let at = [-6.0, 0.0, 6.0].map(|x| glam::Vec3::new(x, 0.0, 0.0));
         let planted = at.map(|foot| Planted { foot, felled_in: if foot.x == 0.0 { 12 } else { 0 } });
         let grown = grow_among(&settings, &planted, &Barriers::default(), Key::new(3), &Quiet).unwrap();

@@ -164,8 +164,9 @@ fn missed(foliage: &FoliageSettings, seasons: &[Season]) -> Vec<String> {
     let note = |(number, kind): (usize, &LeafKind)| {
         let calendar = Calendar::of(kind);
         let is_seen = seasons.iter().any(|season| calendar.is_there(season.season as f32));
-        // A name stands for itself, another kind for its outline.
-        let name = kind.name.clone().unwrap_or_else(|| format!("foliage {}", number + 1));
+        // As knobs address it: the first kind by its section, further ones by their numbers.
+        let address = || if number == 0 { "foliage".to_owned() } else { format!("also.{number}") };
+        let name = kind.name.clone().unwrap_or_else(address);
         let (from, to) = (kind.season_range.first()?, kind.season_range.get(1)?);
         let middle = if to < from { (from + to + 1.0) / 2.0 % 1.0 } else { f64::midpoint(*from, *to) };
         (!is_seen && kind.form != Form::None).then(|| {

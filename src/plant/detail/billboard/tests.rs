@@ -75,6 +75,22 @@ fn a_pixel_shows_what_the_plane_stands_for() {
 }
 
 #[test]
+fn a_deep_crown_is_darker_than_a_single_layer() {
+    let seen = |layers: u16| {
+        let layer =
+            |i: u16| rectangle(Vec3::new(-1.0, 0.0, 0.1 * f32::from(i)), Vec3::X * 2.0, Vec3::Y * 2.0);
+        let all = scene(vec![plain([0.5; 3], false); layers.into()], (0..layers).map(layer).collect());
+        let seen = billboard(&all, &Billboard { planes: 1, size_px: 64 }, &Quiet).unwrap();
+        let (width, _, color, _) = pixels(&seen);
+        color[(32 * width + 32) as usize][0]
+    };
+    // Half of the light, as an sRGB byte; the diagonal that two triangles share counts as a second layer.
+    assert!(seen(1).abs_diff(188) <= 1, "{}", seen(1));
+    // Of what falls on twelve layers 1 / (1 + √½) is left where it is seen, and six tenths of the loss are drawn: 0.376.
+    assert!(seen(12).abs_diff(165) <= 2, "{}", seen(12));
+}
+
+#[test]
 fn backs_are_seen_only_where_they_are_to_be() {
     // Looks away from the viewer.
     let turned = rectangle(Vec3::new(1.0, 0.0, 0.0), Vec3::X * -2.0, Vec3::Y * 2.0);

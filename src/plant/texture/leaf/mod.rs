@@ -20,7 +20,7 @@ mod twig;
 
 use std::sync::Arc;
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use self::tint::Tint;
@@ -37,7 +37,7 @@ pub use outline::{Margin, Outline, Veins};
 
 /// The mean colour of what a picture shows, linear light; white where it shows nothing.
 fn mean_color(picture: &Picture) -> Vec3 {
-    let (mut sum, mut weight) = (Vec3::ZERO.as_dvec3(), 0.0);
+    let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
     for pixel in picture.rgba().chunks_exact(4) {
         let share = f64::from(pixel[3]) / 255.0;
         sum += share * Vec3::from(linear([pixel[0], pixel[1], pixel[2]])).as_dvec3();
