@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 
 use crate::collision::{COLLISION, MOST};
 use crate::{
-    AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options,
-    Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
+    AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, MemoryFile,
+    Options, Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
 };
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::season::Season;
@@ -342,6 +342,11 @@ impl Batch {
             gather(&AgeSet { name, ages: ages.iter().filter_map(file).collect() }, bundle, monitor)?;
         }
         Ok(())
+    }
+
+    /// The files of outputs whose bundles are [in memory](Bundle::in_memory), each main file before those that lie beside it.
+    pub fn into_files(self) -> Vec<MemoryFile> {
+        self.bundles.into_iter().chain(self.written).flat_map(Bundle::into_files).collect()
     }
 
     /// Puts all files in their places; gives each once, though formats may share a picture.

@@ -82,7 +82,7 @@ use linden_pipeline::stage::Stage;
 pub use assembly::{AgeFile, AgeSet, Assembly, Member, MemberPlace};
 pub use batch::{Batch, Output, default_name, plain_stem};
 pub use bundle::{
-    Bundle, Existing, MadeFolders, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,
+    Bundle, Existing, MadeFolders, MemoryFile, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,
     ensure_spared, examine, make_folders, write_file,
 };
 pub use error::ExportError;

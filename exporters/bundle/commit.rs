@@ -127,7 +127,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
 fn files_of(bundle: &Bundle) -> Option<&Files> {
     match &bundle.place {
         Place::Files(files) => Some(files),
-        Place::Stream { .. } | Place::Pipe { .. } => None,
+        Place::Stream { .. } | Place::Pipe { .. } | Place::Memory(_) => None,
     }
 }
 

@@ -4,7 +4,8 @@
 //! across file systems is a copy, and can fail half-way), or under a temporary one where the system
 //! knows no such files; whatever ends the program, nothing of them remains, or the next run sweeps it.
 //! Standard output, pipes and devices are the exception: their bytes go out as they are made, because a
-//! reader should not have to wait and there is nothing to put back.
+//! reader should not have to wait and there is nothing to put back. Files [in memory](Bundle::in_memory) are given to the
+//! caller, who puts them where he likes.
 //!
 //! Every call of the operating system goes through [`file_system::FileSystem`].
 
@@ -64,6 +65,24 @@ enum Place {
         label: String,
         out: Box<dyn Write + Send>,
     },
+    Memory(InMemory),
+}
+
+/// A file that was kept in memory.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct MemoryFile {
+    /// What it is called beside the others, which may refer to it by this name.
+    pub name: String,
+    /// What is in it.
+    pub bytes: Vec<u8>,
+}
+
+struct InMemory {
+    /// What names of side files start with.
+    stem: String,
+    main: MemoryFile,
+    sides: Vec<MemoryFile>,
 }
 
 struct Files {
@@ -123,6 +142,37 @@ impl Bundle {
         Self::at(place, &System)
     }
 
+    /// A bundle whose files are kept in memory, for whoever has no disk to write to; `name` is what its main file is called,
+    /// like `oak.obj`. [`Bundle::into_files`] gives them.
+    ///
+    /// ```
+    /// # use linden_pipeline::preset::builtin;
+    /// # use linden_pipeline::{Quiet, dress, grow};
+    /// use linden_exporters::{Bundle, Options, Stage, find};
+    /// # let recipe = builtin("fir")?.recipe(&Quiet)?;
+    /// # let scene = dress::dress(&recipe, &grow::grow(&recipe, &Quiet)?, &Quiet)?;
+    /// let obj = find("obj")?;
+    /// let mut bundle = Bundle::in_memory("fir.obj");
+    /// obj.write(&Stage::of(&scene), &Options::new(obj.format()), &mut bundle, &Quiet)?;
+    /// let files = bundle.into_files();
+    /// assert_eq!(files[0].name, "fir.obj");
+    /// assert!(files[1..].iter().any(|side| side.name == "fir.mtl"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn in_memory(name: &str) -> Self {
+        let main = MemoryFile { name: name.to_owned(), bytes: Vec::new() };
+        let stem = stem::plain(Path::new(name));
+        Self::at(Place::Memory(InMemory { stem, main, sides: Vec::new() }), &System)
+    }
+
+    /// The files of a bundle [in memory](Bundle::in_memory), the main one first; of any other bundle none.
+    pub fn into_files(self) -> Vec<MemoryFile> {
+        match self.place {
+            Place::Memory(InMemory { main, sides, .. }) => std::iter::once(main).chain(sides).collect(),
+            Place::Files(_) | Place::Pipe { .. } | Place::Stream { .. } => Vec::new(),
+        }
+    }
+
     /// A bundle of a single file that goes to standard output as it is made. A reader that does not
     /// read is waited for as long as the monitor wants it.
     pub fn stdout() -> Self {
@@ -143,14 +193,14 @@ impl Bundle {
 
     /// Whether files can lie beside the main one.
     pub fn takes_side_files(&self) -> bool {
-        matches!(self.place, Place::Files(_))
+        matches!(self.place, Place::Files(_) | Place::Memory(_))
     }
 
     /// The name of a pipe without a reader: writing to it waits.
     pub fn unread_pipe(&mut self) -> Option<&str> {
         match &mut self.place {
             Place::Pipe { label, pipe } => pipe.is_unread().then_some(label.as_str()),
-            Place::Files(_) | Place::Stream { .. } => None,
+            Place::Files(_) | Place::Stream { .. } | Place::Memory(_) => None,
         }
     }
 
@@ -188,6 +238,7 @@ impl Bundle {
                 write(&mut sink)?;
                 sink.finish().map(|_| ())
             }
+            Place::Memory(InMemory { main, .. }) => Sink::gather(&main.name, &mut main.bytes, monitor, write),
         }
     }
 
@@ -195,6 +246,7 @@ impl Bundle {
     pub fn main_name(&self) -> Option<&Path> {
         match &self.place {
             Place::Files(files) => Some(Path::new(&files.main.location.name)),
+            Place::Memory(files) => Some(Path::new(&files.main.name)),
             Place::Pipe { .. } | Place::Stream { .. } => None,
         }
     }
@@ -204,7 +256,9 @@ impl Bundle {
     /// digits, `-`, `_`, `.` and `+`.
     pub fn side_name(&self, suffix: &str) -> String {
         match &self.place {
-            Place::Files(files) => format!("{}{}", files.stem, stem::plain_suffix(suffix)),
+            Place::Files(Files { stem, .. }) | Place::Memory(InMemory { stem, .. }) => {
+                format!("{stem}{}", stem::plain_suffix(suffix))
+            }
             Place::Pipe { .. } | Place::Stream { .. } => String::new(),
         }
     }
@@ -240,6 +294,12 @@ impl Bundle {
                 }
                 let mut side = Staged::create(self.system, location)?;
                 side.write(bytes, monitor, write)?;
+                files.sides.push(side);
+                Ok(())
+            }
+            Place::Memory(files) => {
+                let mut side = MemoryFile { name: name.to_owned(), bytes: Vec::new() };
+                Sink::gather(name, &mut side.bytes, monitor, write)?;
                 files.sides.push(side);
                 Ok(())
             }

@@ -142,17 +142,21 @@ impl Bundle {
             self.picture_folder = Some(folder);
             return written;
         }
-        let (name, taken) = match (&self.membership, &self.place) {
-            (Some(Membership { pictures, families }), Place::Files(files)) => {
+        let beside = match &self.place {
+            Place::Files(files) => Some((files.main.location.folder.as_path(), &files.stem)),
+            Place::Memory(files) => Some((Path::new(""), &files.stem)),
+            Place::Pipe { .. } | Place::Stream { .. } => None,
+        };
+        let (name, taken) = match (&self.membership, beside) {
+            (Some(Membership { pictures, families }), Some((folder, own_stem))) => {
                 let fingerprint = xxh3_128(bytes);
-                let folder = &files.main.location.folder;
                 let mut there = families.iter().map(|family| pictures.find(folder, family, fingerprint));
                 if let Some(there) = there.find_map(|found| found) {
                     return Ok(there);
                 }
                 let plain = stem::plain_suffix(suffix);
                 let (stem, ending) = plain.rsplit_once('.').unwrap_or((&plain, "png"));
-                let numbered = (2..).map(|number| format!("{}{stem}_{number}.{ending}", files.stem));
+                let numbered = (2..).map(|number| format!("{own_stem}{stem}_{number}.{ending}"));
                 let of_families = families.iter().map(|family| format!("{family}{plain}"));
                 let mut names = of_families.chain([own_name.clone()]).chain(numbered);
                 let found = names.find_map(|name| match pictures.take(folder, &name, fingerprint) {

@@ -20,8 +20,8 @@ pub const SLACK_BYTES: u64 = 4 << 20;
 /// Work that was refused because it would hold more memory than it may.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "{doing} would take {}, more than the memory limit of {}; {advice}, or raise the limit 'memory'",
-    Bytes(*needs_bytes), Bytes(*limit_bytes)
+    "{doing} would take {}; {advice}, or raise the limit 'memory'",
+    more(*needs_bytes, *limit_bytes)
 )]
 pub struct OverMemory {
     /// What was about to be done: `sweeping the surface`.
@@ -32,6 +32,15 @@ pub struct OverMemory {
     pub limit_bytes: u64,
     /// What to turn down: `lower sides`.
     pub advice: &'static str,
+}
+
+/// How much is more than the limit; to the byte where fewer digits would say that it is as much.
+fn more(needs_bytes: u64, limit_bytes: u64) -> String {
+    let (needs, limit) = (Bytes(needs_bytes).to_string(), Bytes(limit_bytes).to_string());
+    if needs == limit {
+        return format!("{needs_bytes} B, more than the memory limit of {limit_bytes} B");
+    }
+    format!("{needs}, more than the memory limit of {limit}")
 }
 
 /// An amount of memory as people read it: three digits, powers of 1024.
@@ -97,6 +106,17 @@ mod tests {
         ] {
             assert_eq!(Bytes(bytes).to_string(), text);
         }
+    }
+
+    #[test]
+    fn what_is_refused_is_said_to_be_more_than_the_limit() {
+        let refused = |needs_bytes| {
+            OverMemory { doing: "growing", needs_bytes, limit_bytes: 1 << 20, advice: "use less" }.to_string()
+        };
+        let text = "growing would take 1048577 B, more than the memory limit of 1048576 B; use less, or raise the limit 'memory'";
+        assert_eq!(refused((1 << 20) + 1), text);
+        let text = "growing would take 2.00 MiB, more than the memory limit of 1.00 MiB; use less, or raise the limit 'memory'";
+        assert_eq!(refused(2 << 20), text);
     }
 
     #[test]

@@ -4,6 +4,8 @@
 //! far it is and asks whether anybody still wants the result. Work that allocates in proportion to
 //! what the user asks for also asks whether there is memory for it ([`Monitor::admit`]).
 
+use std::sync::Arc;
+
 use crate::memory::OverMemory;
 
 /// Watches a piece of work. Called from any thread, often: all methods must be cheap.
@@ -41,6 +43,33 @@ pub trait Monitor: Sync {
             return Err(OverMemory { doing, needs_bytes: bytes, limit_bytes, advice });
         }
         Ok(())
+    }
+}
+
+/// Whoever keeps a copy may say that the result is no longer wanted, or look how far the work is.
+impl<M: Monitor + Send + ?Sized> Monitor for Arc<M> {
+    fn is_cancelled(&self) -> bool {
+        (**self).is_cancelled()
+    }
+
+    fn advance(&self, phase: Phase, done: u64, total: Option<u64>) {
+        (**self).advance(phase, done, total);
+    }
+
+    fn among(&self, what: &'static str, number: usize, count: usize) {
+        (**self).among(what, number, count);
+    }
+
+    fn check(&self) -> Result<(), Cancelled> {
+        (**self).check()
+    }
+
+    fn memory_limit(&self) -> u64 {
+        (**self).memory_limit()
+    }
+
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        (**self).admit(doing, bytes, advice)
     }
 }
 

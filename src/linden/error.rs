@@ -1,8 +1,11 @@
 //! What may go wrong between a name and a file.
+//!
+//! A message is whole: it has the words of its `source` in it, so that whoever prints a chain of sources says them twice.
 
 use std::io;
 use std::path::PathBuf;
 
+use linden_base::monitor::Cancelled;
 use linden_exporters::ExportError;
 use linden_pipeline::document::Fault;
 use linden_pipeline::dress::DetailError;
@@ -19,6 +22,9 @@ use crate::trust::NotAllowed;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// A monitor said that the result is no longer wanted: [`Error::is_cancelled`].
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
     /// No built-in preset has that id.
     #[error(transparent)]
     Unknown(#[from] UnknownPreset),
@@ -75,23 +81,39 @@ pub enum Error {
     Edit(#[from] ShortEditError),
     /// Nothing grew.
     #[error(transparent)]
-    Grow(#[from] GrowError),
+    Grow(GrowError),
     /// Surface, leaves or levels of detail.
     #[error(transparent)]
-    Dress(#[from] DetailError),
+    Dress(DetailError),
     /// A tree that is not measured.
     #[error(transparent)]
-    Report(#[from] ReportError),
+    Report(ReportError),
     /// A picture.
     #[error(transparent)]
-    Draw(#[from] RasterError),
+    Draw(RasterError),
     /// A file that is not written.
     #[error(transparent)]
-    Export(#[from] ExportError),
+    Export(ExportError),
     /// A picture's file that is not written.
     #[error("writing a picture: {0}")]
     Picture(#[from] linden_pipeline::picture::PictureError),
     /// A folder or file that the system refuses.
     #[error(transparent)]
     Io(#[from] io::Error),
+}
+
+linden_base::from_cancellable!(
+    Error:
+    GrowError => Grow,
+    DetailError => Dress,
+    ReportError => Report,
+    RasterError => Draw,
+    ExportError => Export
+);
+
+impl Error {
+    /// Whether it is no fault: a [monitor](crate::Monitor) said that the result is no longer wanted. Nothing is written then.
+    pub const fn is_cancelled(&self) -> bool {
+        matches!(self, Self::Cancelled(_))
+    }
 }

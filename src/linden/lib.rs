@@ -42,4 +42,7 @@ pub use linden_scanner as scanner;
 
 pub use error::Error;
 pub use source::{grammar, read, read_allowing, tree};
-pub use tree::{Exported, GrownTree, Tree};
+pub use tree::{Exported, GrownTree, InMemory, Tree};
+
+/// For generators of your own: a [knob](knob::Field) of a field, choices by words, keys that name a file.
+pub use linden_base::{field, file_key, words};

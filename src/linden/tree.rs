@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use linden_exporters::{Batch, Bundle, Exporter, Options, Output, Written, for_path};
+use linden_exporters::{
+    Batch, Bundle, ExportError, Exporter, MemoryFile, Options, Output, Written, for_path,
+};
 use linden_pipeline::dress::{Levels, levels};
 use linden_pipeline::grow::{Grown, grow};
 use linden_pipeline::monitor::{Monitor, Quiet};
@@ -119,7 +121,31 @@ impl Tree {
     }
 
     /// With a monitor, which hears of progress, can cancel, and limits memory. Without one there is no progress
-    /// and no limit.
+    /// and no limit. An [`Arc`] of one is a monitor too, of which a button or another thread keeps a copy.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// use std::sync::atomic::{AtomicBool, Ordering};
+    /// use linden::{Monitor, monitor::Phase};
+    ///
+    /// /// Ends work when the button is pressed.
+    /// #[derive(Default)]
+    /// struct Button(AtomicBool);
+    ///
+    /// impl Monitor for Button {
+    ///     fn is_cancelled(&self) -> bool {
+    ///         self.0.load(Ordering::Relaxed)
+    ///     }
+    ///
+    ///     fn advance(&self, _phase: Phase, _done: u64, _total: Option<u64>) {}
+    /// }
+    ///
+    /// let button = Arc::new(Button::default());
+    /// let fir = linden::tree("fir")?.watched(button.clone());
+    /// button.0.store(true, Ordering::Relaxed);
+    /// assert!(fir.grow().err().unwrap().is_cancelled());
+    /// # Ok::<(), linden::Error>(())
+    /// ```
     #[must_use]
     pub fn watched(self, watcher: impl Monitor + Send + 'static) -> Self {
         Self { watcher: Arc::new(watcher), ..self }
@@ -249,16 +275,75 @@ impl GrownTree {
         options: Options,
         path: impl AsRef<Path>,
     ) -> Result<Exported, Error> {
+        let sources = self.tree.sources.clone();
+        let create = |output: &Output| Bundle::create(&output.path);
+        let (batch, notes) = self.written(exporter, options, path.as_ref(), sources, create)?;
+        Ok(Exported { files: batch.commit()?, notes })
+    }
+
+    /// The files that [`export`](Self::export) would write under this name, in memory: a server or a page need no disk.
+    ///
+    /// ```
+    /// let fir = linden::tree("fir")?.set("points", "100")?.grow()?;
+    /// let obj = fir.export_to_memory("fir.obj")?;
+    /// let names: Vec<&str> = obj.files.iter().map(|file| file.name.as_str()).collect();
+    /// assert!(names.starts_with(&["fir.obj"]) && names.contains(&"fir.mtl"), "{names:?}");
+    /// let glb = fir.export_to_memory("fir.glb")?;
+    /// assert!(glb.files.len() == 1 && glb.files[0].bytes.starts_with(b"glTF"));
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`GrownTree::export`], but for what disks refuse.
+    pub fn export_to_memory(&self, name: &str) -> Result<InMemory, Error> {
+        let exporter = for_path(Path::new(name))?;
+        self.export_to_memory_as(exporter, Options::new(exporter.format()), name)
+    }
+
+    /// The same in a format that is named, with its options.
+    ///
+    /// # Errors
+    /// As [`GrownTree::export_to_memory`].
+    pub fn export_to_memory_as(
+        &self,
+        exporter: &'static dyn Exporter,
+        options: Options,
+        name: &str,
+    ) -> Result<InMemory, Error> {
+        let keep = |output: &Output| {
+            Ok(Bundle::in_memory(&output.path.file_name().unwrap_or_default().to_string_lossy()))
+        };
+        let (batch, notes) = self.written(exporter, options, Path::new(name), Vec::new(), keep)?;
+        Ok(InMemory { files: batch.into_files(), notes })
+    }
+
+    /// Writes all levels into what `bundle` makes of each file; with what the user should know.
+    fn written(
+        &self,
+        exporter: &'static dyn Exporter,
+        options: Options,
+        path: &Path,
+        sources: Vec<PathBuf>,
+        bundle: impl Fn(&Output) -> Result<Bundle, ExportError>,
+    ) -> Result<(Batch, Vec<String>), Error> {
         let planned = self.tree.recipe.preset.dressing.detail.levels();
-        let outputs = Output::new(exporter, options, path.as_ref().to_owned()).in_levels(planned);
-        let mut batch =
-            Batch::open(outputs, self.tree.sources.clone(), |output| Bundle::create(&output.path))?;
+        let outputs = Output::new(exporter, options, path.to_owned()).in_levels(planned);
+        let mut batch = Batch::open(outputs, sources, bundle)?;
         let levels = self.levels()?;
         let mut notes = levels.notes.clone();
         let stage = levels.stage().turned_by(self.tree.turned.iter().copied());
         batch.write(&stage, &*self.tree.watcher, |said| notes.extend_from_slice(said))?;
-        Ok(Exported { files: batch.commit()?, notes })
+        Ok((batch, notes))
     }
+}
+
+/// Files that were written into memory.
+#[derive(Clone, Debug)]
+pub struct InMemory {
+    /// The main one first; they refer to each other by their names.
+    pub files: Vec<MemoryFile>,
+    /// What the user should know: what a format could not hold, budgets that were not met.
+    pub notes: Vec<String>,
 }
 
 /// What was written.

@@ -4,6 +4,8 @@
 //! grown, whatever level of it the file holds:
 //! `"linden":"0.2.0 (abc1234)","hash":{"recipe":"…","skeleton":"…","organs":"…"}`, each of 32 hexadecimal digits.
 
+use std::fmt;
+
 use linden_base::knob::excerpt;
 use serde::Deserialize;
 use serde_json::Value;
@@ -24,6 +26,13 @@ pub struct TreeHash {
     pub skeleton: u128,
     /// Of all that grows on them.
     pub organs: u128,
+}
+
+/// As documents have them: `skeleton …, organs …`, 32 hexadecimal digits each.
+impl fmt::Display for TreeHash {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "skeleton {}, organs {}", hash_text(self.skeleton), hash_text(self.organs))
+    }
 }
 
 /// Where a recipe comes from.

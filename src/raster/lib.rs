@@ -109,15 +109,9 @@ pub enum RasterError {
     )]
     Mesh(usize),
     /// Nobody wants the picture any more.
-    #[error("drawing was cancelled")]
-    Cancelled,
+    #[error(transparent)]
+    Cancelled(#[from] linden_pipeline::Cancelled),
     /// It would take more memory than there may be.
     #[error(transparent)]
     Memory(#[from] OverMemory),
-}
-
-impl From<linden_pipeline::Cancelled> for RasterError {
-    fn from(_: linden_pipeline::Cancelled) -> Self {
-        Self::Cancelled
-    }
 }

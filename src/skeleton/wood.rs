@@ -62,10 +62,11 @@ impl Wood {
             details(
                 "With cylinder each segment is as thick all along as the node that it ends in: !(1)F!(0.5)F \
                  of a grammar is a cylinder on a cylinder, a table of cylinders has the radii that were \
-                 asked for, and volumes are sums of π r² l to the last digit. taper draws wood as it grows, \
-                 and what stands above a fork is spread along it by width_smoothing."
+                 asked for, and volumes are sums of π r² l, with ends=cut (no buds on its tips) to the last \
+                 digit. taper draws wood as it grows, and what stands above a fork is spread along it by \
+                 width_smoothing."
             ),
-            see_also(&["width", "width_smoothing", "segment_width"])
+            see_also(&["width", "width_smoothing", "ends", "segment_width"])
         ),
         field!(
             "base_radius",
@@ -90,7 +91,8 @@ impl Wood {
                 "Alone, with the pipe model, it decides the trunk: the base is tip_radius times the n-th \
                  root of the number of tips, so that 4000 tips of 0.003 m stand on a trunk of 0.19 m with \
                  radius_exponent=2. With base_radius, or another rule, nothing is thinner than this and the \
-                 rest stays."
+                 rest stays. Of a scan whose radii are measured it says how thick its twigs are, which wood too \
+                 thin to be measured tapers to (auto: 1.5 mm)."
             ),
             see_also(&["base_radius", "radius_exponent", "twig_taper"])
         ),

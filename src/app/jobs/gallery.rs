@@ -12,7 +12,7 @@ use linden::dress::{DressError, dress};
 use linden::foliage::FoliageError;
 use linden::grow::{GrowError, Grown, grow, sprout};
 use linden::knob::Value;
-use linden::lsystem::{GrowingError, LsystemError};
+use linden::lsystem::LsystemError;
 use linden::picture::Picture;
 use linden::preset::{PresetKnob, Section};
 use linden::recipe::Recipe;
@@ -344,7 +344,7 @@ impl Studio<'_> {
         is_last: bool,
     ) -> Result<SmallPicture, NoPicture> {
         let picture = drawn.map_err(|error| match error {
-            RasterError::Cancelled => NoPicture::Cancelled,
+            RasterError::Cancelled(_) => NoPicture::Cancelled,
             other => NoPicture::Because(other.to_string()),
         })?;
         let GalleryRequest { medium, cells, values, .. } = self.request;
@@ -376,7 +376,7 @@ fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, N
         Ok(grown) => Ok(Plant::from(&grown)),
         Err(GrowError::Cancelled(_)) => Err(NoPicture::Cancelled),
         Err(error) => Err(match error.generator() {
-            Some(GrowingError(LsystemError::TooManySymbols { symbols, limit, .. })) => {
+            Some(LsystemError::TooManySymbols { symbols, limit, .. }) => {
                 let count = if *symbols > u128::from(u32::MAX) {
                     format!("{:.0e}", *symbols as f64)
                 } else {

@@ -387,7 +387,7 @@ fn blank(size: Size) -> Picture {
 }
 
 fn unless_cancelled(error: RasterError) -> Option<String> {
-    if error == RasterError::Cancelled { None } else { Some(error.to_string()) }
+    if matches!(error, RasterError::Cancelled(_)) { None } else { Some(error.to_string()) }
 }
 
 /// The wind that is played: where a preset has none, a breeze.

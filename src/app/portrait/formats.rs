@@ -226,7 +226,7 @@ fn paint(options: &Options) -> Paint {
 
 fn refused(error: RasterError) -> ExportError {
     match error {
-        RasterError::Cancelled => Cancelled.into(),
+        RasterError::Cancelled(cancelled) => cancelled.into(),
         RasterError::Memory(over) => over.into(),
         other => broken(other),
     }

@@ -102,16 +102,11 @@ fn texts_of<'a>(list: &'a Node, key: &str, expected: &str) -> Result<(&'a [Node]
     Ok((items, texts))
 }
 
-/// An L-system's error as a generator's.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("growing the L-system: {0}")]
-pub struct GrowingError(#[source] pub LsystemError);
-
 impl From<LsystemError> for GeneratorError {
     fn from(error: LsystemError) -> Self {
         match error {
             LsystemError::Cancelled(cancelled) => cancelled.into(),
-            other => Self::failed(GrowingError(other)),
+            other => Self::failed_while("growing the L-system: ", other),
         }
     }
 }

@@ -60,7 +60,7 @@ pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, GrammarPart, LsystemError, Problem};
 pub use exposed::{ExposeError, Exposed, MOST_EXPOSED};
 pub use forecast::{Forecast, forecast};
-pub use generator::{GENERATOR, GrowingError};
+pub use generator::GENERATOR;
 pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
 pub use grow::{Drawn, grow, grow_by};
 pub use settings::{LSystem, StemHabit};

@@ -2,7 +2,7 @@
 //!
 //! After Real Twig (Morales & `MacFarlane` 2024, *Reducing tree volume overestimation in quantitative structure
 //! models*): radii that were measured are a function of growth length, which never shrinks with it; what was not
-//! measured follows that function.
+//! measured follows that function, and below all that was measured a line (of logarithms) towards a twig.
 
 use linden_skeleton::NO_PARENT;
 
@@ -18,18 +18,31 @@ const LEAST_PLACES: u32 = 4;
 /// as neighbouring twigs and noise have made round, and thicker than the wood.
 const LEAST_SHARE: f64 = 0.3;
 
-/// The exponent where nothing is measured: cross-sections add up at forks (Leonardo's rule, 0.5 where all twigs are alike);
-/// scans lose some of the length of twigs, which makes it less.
-const USUAL_EXPONENT: f64 = 0.45;
+/// Wood that is thicker than what bears it lets expect, by more than this as a natural logarithm, is not known either: its
+/// circles are put through several twigs at once.
+const TOO_THICK: f64 = 0.5;
 
-/// How far apart, as a natural logarithm of growth length, measured classes tell as much about the exponent as what is usual.
-const TELLING: f64 = 2.0;
+/// The exponent where nothing is measured: cross-sections add up at forks (Leonardo's rule, 0.5 where all twigs are alike);
+/// scans lose some of the length of twigs, which makes it less. And its standard deviation.
+const USUAL_EXPONENT: (f64, f64) = (0.45, 0.11);
+
+/// The standard deviation of how much thicker the wood of one end of what was measured is against that of the other, as a
+/// natural logarithm.
+const MEASURED_SD: f64 = 0.22;
+
+/// A twig: the length of wood that it bears, and its radius, metres (Real Twig's table of species has 0.7 to 3 mm).
+const TWIG_GROWTH_M: f64 = 0.3;
+const TWIG_RADIUS_M: f64 = 0.0015;
+
+/// The standard deviation of its natural logarithm: of any species, and where it is given.
+const TWIG_SD: f64 = 0.4;
+const GIVEN_TWIG_SD: f64 = 0.15;
 
 /// Between which bounds the exponent lies by which twigs thinner than all that were measured go on.
 const EXPONENTS: (f64, f64) = (0.1, 0.6);
 
-/// The thinnest twig: of slender species half of 1.5 mm.
-const TWIG_M: f64 = 0.000_75;
+/// The thinnest twig, where none is given: of slender species half of 1.5 mm.
+const THINNEST_M: f64 = 0.000_75;
 
 /// The length of all wood that a node bears, its own segment included, metres.
 pub(crate) fn growth_lengths_m(parents: &[u32], length_m: impl Fn(usize) -> f64) -> Vec<f64> {
@@ -57,21 +70,74 @@ pub(crate) struct Looked {
 
 /// Radius by growth length.
 pub(crate) struct Allometry {
-    /// Logarithms of growth length and radius, both rising.
-    classes: Vec<(f64, f64)>,
+    /// Growth length and radius both rise.
+    classes: Vec<Class>,
     exponent: f64,
+    /// Metres; no wood is thinner.
+    thinnest_m: f64,
     /// Numbers of the classes that are not known, rising.
     unknown: Vec<i64>,
 }
 
-/// The number of the class of a growth length.
+/// The number of the class of a growth length's logarithm.
+fn number(length: f64) -> i64 {
+    (length / CLASS).floor() as i64
+}
+
+/// The same of a growth length.
 fn class(growth_m: f64) -> i64 {
-    (libm::log(growth_m.max(1e-9)) / CLASS).floor() as i64
+    number(libm::log(growth_m.max(1e-9)))
+}
+
+/// Wood that bears about as much, by what was measured of it.
+struct Class {
+    /// The logarithm of the growth length,
+    length: f64,
+    /// and that of the radius.
+    radius: f64,
+    /// How many places it stands for.
+    weight: f64,
+}
+
+impl Class {
+    fn merged(&self, other: &Self) -> Self {
+        let weight = self.weight + other.weight;
+        let mean = |a: f64, b: f64| (a * self.weight + b * other.weight) / weight;
+        Self { length: mean(self.length, other.length), radius: mean(self.radius, other.radius), weight }
+    }
+}
+
+/// Where wood ends.
+#[derive(Clone, Copy)]
+struct Twig {
+    /// The logarithm of its radius, and the standard deviation of that.
+    radius: f64,
+    sd: f64,
+}
+
+impl Twig {
+    fn of(given_m: Option<f64>) -> Self {
+        let (radius_m, sd) = given_m.map_or((TWIG_RADIUS_M, TWIG_SD), |radius_m| (radius_m, GIVEN_TWIG_SD));
+        Self { radius: libm::log(radius_m), sd }
+    }
+}
+
+/// By which exponent of growth length radii go on from the thinnest wood that was measured: the slope from the thickest to
+/// it, that from it to a twig, and the usual one, by how sure they are.
+fn exponent(thinnest: &Class, thickest: &Class, twig: Twig) -> f64 {
+    let squared = |x: f64| x * x;
+    let (span, rise) = (thickest.length - thinnest.length, thickest.radius - thinnest.radius);
+    let (to_twig, fall) = (thinnest.length - libm::log(TWIG_GROWTH_M), thinnest.radius - twig.radius);
+    let (of_span, of_twig) = (squared(1.0 / MEASURED_SD), squared(1.0 / twig.sd));
+    let of_usual = squared(1.0 / USUAL_EXPONENT.1);
+    let sum = of_span * rise * span + of_twig * fall * to_twig + of_usual * USUAL_EXPONENT.0;
+    let weight = of_span * span * span + of_twig * to_twig * to_twig + of_usual;
+    (sum / weight).clamp(EXPONENTS.0, EXPONENTS.1)
 }
 
 impl Allometry {
-    /// From the nodes that points are around; `None` for too few.
-    pub fn of(nodes: &[Looked]) -> Option<Self> {
+    /// From the nodes that points are around, and the radius of twigs in metres where it is known; `None` for too few nodes.
+    pub fn of(nodes: &[Looked], twig_m: Option<f64>) -> Option<Self> {
         let mut sorted: Vec<Looked> = nodes.iter().copied().filter(|m| m.growth_m > 0.0).collect();
         sorted.sort_unstable_by(|a, b| {
             a.growth_m.total_cmp(&b.growth_m).then(a.radius_m.total_cmp(&b.radius_m))
@@ -86,30 +152,40 @@ impl Allometry {
             }
         }
         sorted.retain(|m| m.radius_m > 0.0 && unknown.binary_search(&class(m.growth_m)).is_err());
-        // Class after class: (logarithm of length, radius, weight), merged where the radius would shrink.
-        let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
         let least = LEAST_PLACES.min(places(&sorted));
-        for same in sorted.chunk_by(is_same) {
-            if places(same) < least {
-                continue;
-            }
-            let weight = f64::from(places(same));
-            let length = median(same.iter().map(|m| libm::log(m.growth_m)))?;
-            let radius_m = median(same.iter().map(|m| m.radius_m))?;
-            let mut block = (length, libm::log(radius_m), weight);
-            while let Some(before) = blocks.pop_if(|before| before.1 > block.1) {
-                let total = before.2 + block.2;
-                let mean = |a: f64, b: f64| (a * before.2 + b * block.2) / total;
-                block = (mean(before.0, block.0), mean(before.1, block.1), total);
-            }
-            blocks.push(block);
+        let mut measured: Vec<Class> = Vec::new();
+        for same in sorted.chunk_by(is_same).filter(|same| places(same) >= least) {
+            measured.push(Class {
+                length: median(same.iter().map(|m| libm::log(m.growth_m)))?,
+                radius: libm::log(median(same.iter().map(|m| m.radius_m))?),
+                weight: f64::from(places(same)),
+            });
         }
-        let classes: Vec<(f64, f64)> = blocks.iter().map(|b| (b.0, b.1)).collect();
+        let twig = Twig::of(twig_m);
+        // From the stem outwards.
+        let mut kept: Vec<Class> = Vec::new();
+        for class in measured.into_iter().rev() {
+            if let (Some(stem), Some(before)) = (kept.first(), kept.last()) {
+                let usual = before.radius + exponent(before, stem, twig) * (class.length - before.length);
+                if class.radius > usual + TOO_THICK {
+                    unknown.push(number(class.length));
+                    continue;
+                }
+            }
+            kept.push(class);
+        }
+        unknown.sort_unstable();
+        // Merged where the radius would shrink.
+        let mut classes: Vec<Class> = Vec::new();
+        for mut class in kept.into_iter().rev() {
+            while let Some(before) = classes.pop_if(|before| before.radius > class.radius) {
+                class = before.merged(&class);
+            }
+            classes.push(class);
+        }
         let (first, last) = (classes.first()?, classes.last()?);
-        // The slope between the ends and the usual one, by how much they tell.
-        let (span, rise) = (last.0 - first.0, last.1 - first.1);
-        let slope = (rise * span + USUAL_EXPONENT * TELLING * TELLING) / (span * span + TELLING * TELLING);
-        Some(Self { exponent: slope.clamp(EXPONENTS.0, EXPONENTS.1), classes, unknown })
+        let exponent = exponent(first, last, twig);
+        Some(Self { classes, exponent, thinnest_m: twig_m.unwrap_or(THINNEST_M), unknown })
     }
 
     /// Whether wood that bears so much shows its circles.
@@ -120,15 +196,17 @@ impl Allometry {
     /// Metres.
     pub fn radius_m(&self, growth_m: f64) -> f64 {
         let length = libm::log(growth_m.max(1e-4));
-        let above = self.classes.partition_point(|class| class.0 < length);
-        let on = |class: (f64, f64)| class.1 + self.exponent * (length - class.0);
-        let log = match (above.checked_sub(1).map(|i| self.classes[i]), self.classes.get(above)) {
-            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (length - a.0) / (b.0 - a.0),
+        let above = self.classes.partition_point(|class| class.length < length);
+        let on = |class: &Class| class.radius + self.exponent * (length - class.length);
+        let log = match (above.checked_sub(1).map(|i| &self.classes[i]), self.classes.get(above)) {
+            (Some(a), Some(b)) => {
+                a.radius + (b.radius - a.radius) * (length - a.length) / (b.length - a.length)
+            }
             (Some(a), None) => on(a),
-            (None, Some(b)) => on(*b),
-            (None, None) => return TWIG_M,
+            (None, Some(b)) => on(b),
+            (None, None) => return self.thinnest_m,
         };
-        libm::exp(log).max(TWIG_M)
+        libm::exp(log).max(self.thinnest_m)
     }
 }
 
@@ -147,7 +225,7 @@ mod tests {
                 Looked { growth_m, radius_m: law(growth_m) * times, places: 1 }
             })
             .collect();
-        let found = Allometry::of(&measured).unwrap();
+        let found = Allometry::of(&measured, None).unwrap();
         let mut last = 0.0;
         for i in 0..80 {
             let growth = 0.05 * libm::pow(1.15, f64::from(i));
@@ -155,7 +233,7 @@ mod tests {
             assert!(radius >= last && (radius / law(growth) - 1.0).abs() < 0.12, "{growth}: {radius}");
             last = radius;
         }
-        assert!(Allometry::of(&[]).is_none());
+        assert!(Allometry::of(&[], None).is_none());
     }
 
     /// Twigs that show no circle of their own, but now and then one of several together: ten times as thick.
@@ -174,11 +252,36 @@ mod tests {
                 Looked { growth_m, radius_m, places }
             })
             .collect();
-        let found = Allometry::of(&nodes).unwrap();
+        let found = Allometry::of(&nodes, None).unwrap();
         for growth in [0.1, 1.0, 10.0, 30.0, 100.0, 400.0] {
             assert_eq!(found.is_known(growth), growth > 50.0, "{growth}");
             let off = found.radius_m(growth) / law(growth);
             assert!((0.7..1.4).contains(&off), "{growth}: {off}");
+        }
+    }
+
+    /// Of a tree of which only the stem shows circles, all else follows from it and from its twigs.
+    #[test]
+    fn wood_that_is_too_thin_to_be_measured_tapers_to_a_twig() {
+        let law = |twig_m: f64, growth_m: f64| {
+            let exponent = libm::log(0.2 / twig_m) / libm::log(2000.0 / TWIG_GROWTH_M);
+            0.2 * libm::pow(growth_m / 2000.0, exponent)
+        };
+        let off = |twig_m: f64, given: Option<f64>, growth_m: f64| {
+            let measured: Vec<Looked> = (0..40)
+                .map(|i| {
+                    let growth_m = 2000.0 - 25.0 * f64::from(i);
+                    Looked { growth_m, radius_m: law(twig_m, growth_m), places: 1 }
+                })
+                .collect();
+            Allometry::of(&measured, given).unwrap().radius_m(growth_m) / law(twig_m, growth_m)
+        };
+        for (twig_m, growth_m) in
+            [0.001, 0.0015, 0.003].into_iter().flat_map(|t| [0.5, 5.0, 50.0].map(|g| (t, g)))
+        {
+            let (alone, told) = (off(twig_m, None, growth_m), off(twig_m, Some(twig_m), growth_m));
+            assert!((0.55..1.75).contains(&alone), "{twig_m} {growth_m}: {alone}");
+            assert!((0.94..1.1).contains(&told), "{twig_m} {growth_m}: {told}");
         }
     }
 

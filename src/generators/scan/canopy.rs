@@ -8,6 +8,7 @@ use glam::{DVec3, Vec3};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::site::crown_base_m;
 use linden_growth::{Stand, Stop};
+use linden_skeleton::Wood;
 
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::settings::ScanSettings;
@@ -60,7 +61,7 @@ impl Verdict {
         monitor.admit("measuring the scan", bytes, "thin the points out")?;
         let few = FEW_RINGS * branching.positions.len() as f64;
         let rings = || {
-            let girth = girth(&mut branching.clone(), bark, 2.0, monitor)?;
+            let girth = girth(&mut branching.clone(), bark, &Wood::default(), monitor)?;
             Ok::<_, Cancelled>(girth.map_or(0, |girth| girth.measured))
         };
         if share < LEAST_NEAR && !shows_stem(bark) && (rings()? as f64) < few {

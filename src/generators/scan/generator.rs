@@ -376,7 +376,7 @@ impl Measured for Bark {
         if !self.measures {
             return Ok(None);
         }
-        let girth = girth(branching, &self.points, wood.radius_exponent, monitor)?;
+        let girth = girth(branching, &self.points, wood, monitor)?;
         Ok(girth.map(|Girth { radii, fits, placed, .. }| {
             branching.radii = Some(radii);
             // Measured again, the first stands: it is looked at only where the wood is the same.

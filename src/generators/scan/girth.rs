@@ -21,7 +21,7 @@ use super::segments::{Nearest, Segments};
 use super::stretch::{ByNode, Seen, Station, Stretch};
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, axes_by_tips, count_tips};
+use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, Wood, axes_by_tips, count_tips};
 
 /// Bytes for each point of what measures a tree: the nearest segments of all points, and the search for points
 /// near segments.
@@ -88,28 +88,30 @@ impl Placed {
 }
 
 /// Radii for a branching from points on its bark, where it stands; `None` where no circle is believed. Nodes are
-/// moved into the middle of the wood; strands inside thicker wood go. `exponent` is the pipe model's.
+/// moved into the middle of the wood; strands inside thicker wood go. Of `wood` the pipe model's exponent and the radius of
+/// twigs are looked at.
 ///
 /// # Errors
 /// [`Cancelled`].
 pub fn girth(
     branching: &mut Branching,
     bark: &[Vec3],
-    exponent: f64,
+    wood: &Wood,
     monitor: &dyn Monitor,
 ) -> Result<Option<Girth>, Cancelled> {
+    let (exponent, twig_m) = (wood.radius_exponent, wood.tip_radius_m);
     smooth(branching);
     let part: Vec<Vec3> = bark.iter().copied().step_by(bark.len().div_ceil(FIRST_POINTS).max(1)).collect();
     let Some(first) = Round::new(branching, &part, exponent, FIRST_POINTS_PER_CIRCLE, monitor)? else {
         return Ok(None);
     };
-    let Some(girth) = first.girth(branching) else { return Ok(None) };
+    let Some(girth) = first.girth(branching, twig_m) else { return Ok(None) };
     first.recentre(branching);
     first.drop_buried(branching, &girth.radii);
     let Some(second) = Round::new(branching, bark, exponent, POINTS_PER_CIRCLE, monitor)? else {
         return Ok(None);
     };
-    let Some(mut girth) = second.girth(branching) else { return Ok(None) };
+    let Some(mut girth) = second.girth(branching, twig_m) else { return Ok(None) };
     girth.placed.nearest = second.nearest;
     Ok(Some(girth))
 }
@@ -289,7 +291,7 @@ impl Round {
     }
 
     /// Radii of all nodes; `None` where no circle is believed.
-    fn girth(&self, branching: &Branching) -> Option<Girth> {
+    fn girth(&self, branching: &Branching, twig_m: Option<f64>) -> Option<Girth> {
         let Branching { positions, parents, .. } = branching;
         let length_m = |node: usize| f64::from(positions[node].distance(positions[parents[node] as usize]));
         let growth_m = growth_lengths_m(parents, length_m);
@@ -317,7 +319,7 @@ impl Round {
                 Some(Looked { growth_m: growth_m[node], radius_m: seen[node].unwrap_or(0.0), places })
             })
             .collect();
-        let allometry = Allometry::of(&known)?;
+        let allometry = Allometry::of(&known, twig_m)?;
         for node in (0..positions.len()).filter(|&node| !allometry.is_known(growth_m[node])) {
             (seen[node], fits[node]) = (None, RadiusFit::GUESSED);
         }
@@ -477,7 +479,8 @@ mod tests {
             branching.parents.push(if i == 0 { 15 } else { 30 + u32::from(i) });
         }
         branching.births = vec![0; branching.positions.len()];
-        let Girth { radii, fits, measured, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
+        let Girth { radii, fits, measured, .. } =
+            girth(&mut branching, &bark, &Wood::default(), &Quiet).unwrap().unwrap();
         assert!(measured > 25, "{measured}");
         for i in 1..30 {
             let expected = radius_m(f64::from(branching.positions[i].y)) as f32;
@@ -493,14 +496,14 @@ mod tests {
             assert!(radii[node] <= radii[parent as usize] && radii[node] > 0.0);
         }
         assert!(fits[33..].iter().all(|fit| fit.source == RadiusSource::Guessed));
-        assert!(girth(&mut branching, &[], 2.0, &Quiet).unwrap().is_none());
+        assert!(girth(&mut branching, &[], &Wood::default(), &Quiet).unwrap().is_none());
     }
 
     /// The mean distance of these points from the axis says 0.06 m where the radius is 0.1.
     #[test]
     fn an_axis_near_the_bark_of_a_half_seen_pole_goes_to_its_middle() {
         let (mut branching, bark) = pole(0.1, PI, 0.06);
-        let Girth { radii, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
+        let Girth { radii, .. } = girth(&mut branching, &bark, &Wood::default(), &Quiet).unwrap().unwrap();
         for (p, radius) in branching.positions.iter().zip(radii).take(27).skip(3) {
             assert!(p.x.abs() < 0.015 && p.z.abs() < 0.01, "{p}");
             let expected = radius_m(f64::from(p.y)) as f32;
@@ -512,7 +515,8 @@ mod tests {
     fn radii_do_not_hang_on_the_steps() {
         let of = |step_m: f32| {
             let (mut branching, bark) = pole(step_m, TAU, 0.0);
-            let Girth { radii, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
+            let Girth { radii, .. } =
+                girth(&mut branching, &bark, &Wood::default(), &Quiet).unwrap().unwrap();
             [0.6, 1.2, 1.8, 2.4].map(|h: f32| radii[(h / step_m).round() as usize])
         };
         let fine = of(0.02);
@@ -536,7 +540,7 @@ mod tests {
             branching.parents.push(if i == 0 { 15 } else { 36 + u32::from(i) });
         }
         branching.births = vec![0; branching.positions.len()];
-        let Girth { radii, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
+        let Girth { radii, .. } = girth(&mut branching, &bark, &Wood::default(), &Quiet).unwrap().unwrap();
         assert_eq!((branching.positions.len(), radii.len()), (34, 34));
         assert!(branching.validate().is_ok());
         assert_eq!(branching.parents[31..], [15, 31, 32]);

@@ -38,7 +38,12 @@ pub fn builtins() -> &'static [Builtin] {
 
 /// There is no built-in preset of that id.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no preset '{}'{}", excerpt(.id), did_you_mean(*.nearest))]
+#[error(
+    "there is no preset '{}'{}{}",
+    excerpt(.id),
+    did_you_mean(*.nearest),
+    if BUILTINS.is_empty() { ": linden was built without its feature 'presets'" } else { "" }
+)]
 pub struct UnknownPreset {
     /// As it was asked for.
     pub id: String,

@@ -434,5 +434,5 @@ fn a_cancelled_monitor_stops_the_work() {
         fn advance(&self, _: linden_pipeline::monitor::Phase, _: u64, _: Option<u64>) {}
     }
     let result = draw_skeleton(&sample::tree(1, 2), &Camera::default(), &Style::studio(), size(8, 8), &Stop);
-    assert_eq!(result, Err(RasterError::Cancelled));
+    assert_eq!(result, Err(linden_pipeline::Cancelled.into()));
 }

@@ -276,7 +276,7 @@ fn cancelling_stops_soon() {
             looks = looked;
             break;
         }
-        assert_eq!(result, Err(RasterError::Cancelled));
+        assert_eq!(result, Err(linden_pipeline::Cancelled.into()));
         // Whoever was at work elsewhere looks once more.
         assert!(looked <= after + 4, "{looked} looks after {after}");
     }

@@ -372,20 +372,31 @@ pub enum GeneratorError {
     #[error(transparent)]
     Memory(#[from] OverMemory),
     /// What the generator says.
-    #[error(transparent)]
-    Failed(Arc<dyn Error + Send + Sync>),
+    #[error("{doing}{error}")]
+    Failed {
+        /// What was being done, with a colon and a blank behind it; nothing where the error says so itself.
+        doing: &'static str,
+        /// The error in the type that the generator defines.
+        #[source]
+        error: Arc<dyn Error + Send + Sync>,
+    },
 }
 
 impl GeneratorError {
     /// Wraps an error type that the generator defines.
     pub fn failed(error: impl Error + Send + Sync + 'static) -> Self {
-        Self::Failed(Arc::new(error))
+        Self::failed_while("", error)
+    }
+
+    /// The same, with what was being done before its words: `growing the L-system: `.
+    pub fn failed_while(doing: &'static str, error: impl Error + Send + Sync + 'static) -> Self {
+        Self::Failed { doing, error: Arc::new(error) }
     }
 
     /// The wrapped error, where it has the type that the generator defines.
     pub fn downcast_ref<E: Error + 'static>(&self) -> Option<&E> {
         match self {
-            Self::Failed(error) => error.downcast_ref(),
+            Self::Failed { error, .. } => error.downcast_ref(),
             _ => None,
         }
     }

@@ -219,10 +219,11 @@ pub fn refine(
     monitor: &dyn Monitor,
 ) -> Result<Branching, RefineError> {
     let mut shoots = Shoots { branching, captured, riders, room };
-    for (done, step) in refinement.steps.iter().enumerate() {
+    let steps = refinement.steps.len() as u64;
+    for (done, step) in (0..).zip(&refinement.steps) {
         monitor.check()?;
         shoots.admit(0, monitor)?;
-        monitor.advance(Phase::Refine, done as u64, Some(refinement.steps.len() as u64));
+        monitor.advance(Phase::Refine, done, Some(steps));
         (step.apply)(&mut shoots, refinement, monitor)?;
     }
     if refinement.bends() {
@@ -235,6 +236,7 @@ pub fn refine(
         shoots.branching.admit_build(&room.wood, monitor)?;
         wander::wander(&mut shoots, refinement, monitor)?;
     }
+    monitor.advance(Phase::Refine, steps, Some(steps));
     Ok(shoots.branching)
 }
 

@@ -59,7 +59,7 @@ impl Exporter for Thumbnail {
             Ok(picture) => picture,
             // A grammar may draw nothing at all, which is no fault.
             Err(RasterError::Empty) => blank(&style),
-            Err(RasterError::Cancelled) => return Err(linden::Cancelled.into()),
+            Err(RasterError::Cancelled(cancelled)) => return Err(cancelled.into()),
             Err(RasterError::Memory(over)) => return Err(over.into()),
             Err(other) => return Err(failed(&other)),
         };
