@@ -41,6 +41,11 @@ const GIVEN_TWIG_SD: f64 = 0.15;
 /// Between which bounds the exponent lies by which twigs thinner than all that were measured go on.
 const EXPONENTS: (f64, f64) = (0.1, 0.6);
 
+/// The exponent of trees whose twigs are all alike; and how much steeper the way to a usual twig is, where that is as likely
+/// to be none of the tree's.
+const LEONARDO: f64 = 0.5;
+const STEEP: f64 = 0.14;
+
 /// The thinnest twig, where none is given: of slender species half of 1.5 mm.
 const THINNEST_M: f64 = 0.000_75;
 
@@ -113,12 +118,13 @@ struct Twig {
     /// The logarithm of its radius, and the standard deviation of that.
     radius: f64,
     sd: f64,
+    is_given: bool,
 }
 
 impl Twig {
     fn of(given_m: Option<f64>) -> Self {
         let (radius_m, sd) = given_m.map_or((TWIG_RADIUS_M, TWIG_SD), |radius_m| (radius_m, GIVEN_TWIG_SD));
-        Self { radius: libm::log(radius_m), sd }
+        Self { radius: libm::log(radius_m), sd, is_given: given_m.is_some() }
     }
 }
 
@@ -128,7 +134,10 @@ fn exponent(thinnest: &Class, thickest: &Class, twig: Twig) -> f64 {
     let squared = |x: f64| x * x;
     let (span, rise) = (thickest.length - thinnest.length, thickest.radius - thinnest.radius);
     let (to_twig, fall) = (thinnest.length - libm::log(TWIG_GROWTH_M), thinnest.radius - twig.radius);
-    let (of_span, of_twig) = (squared(1.0 / MEASURED_SD), squared(1.0 / twig.sd));
+    // A slope that steep has another reason: the tree has no such twigs.
+    let steepness = ((fall / to_twig - LEONARDO) / STEEP).max(0.0);
+    let trust = if twig.is_given { 1.0 } else { 1.0 / (1.0 + squared(squared(steepness))) };
+    let (of_span, of_twig) = (squared(1.0 / MEASURED_SD), trust * squared(1.0 / twig.sd));
     let of_usual = squared(1.0 / USUAL_EXPONENT.1);
     let sum = of_span * rise * span + of_twig * fall * to_twig + of_usual * USUAL_EXPONENT.0;
     let weight = of_span * span * span + of_twig * to_twig * to_twig + of_usual;
