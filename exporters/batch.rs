@@ -110,6 +110,11 @@ impl Output {
         (0..levels).map(of_level).collect()
     }
 
+    /// The files that are written for this one in these seasons and in a number of levels of detail.
+    pub fn in_files(self, seasons: &[Season], levels: usize) -> Vec<Self> {
+        self.in_seasons(seasons).into_iter().flat_map(|output| output.in_levels(levels)).collect()
+    }
+
     /// Puts it into a folder.
     pub fn move_into(&mut self, folder: &Path) {
         for path in std::iter::once(&mut self.path).chain(&mut self.families) {

@@ -6,8 +6,8 @@ use std::path::Path;
 use linden_pipeline::knob::nearest;
 
 use crate::{
-    ExportError, Exporter, Readable, gltf, html, mtg, obj, organs, plugin, ply, qsm, recipe, stl, threemf,
-    traces, usda,
+    ExportError, Exporter, Format, Readable, gltf, html, mtg, obj, organs, plugin, ply, qsm, recipe, stl,
+    threemf, traces, usda,
 };
 
 /// Linden's formats. Where two claim an ending, the first has it.
@@ -128,6 +128,19 @@ impl Registry {
                 }
             },
         )
+    }
+
+    /// The format whose ending a file's name has, where a file of `format` is to be called so: whoever opens it by its
+    /// ending reads it wrongly. `None` for an ending of `format`'s, and for one of none.
+    pub fn misnamed(&self, format: &Format, path: &Path) -> Option<&'static Format> {
+        if format.ending_of(path).is_some() || path.extension().is_none() {
+            return None;
+        }
+        let other = self.for_path(path).ok()?.format();
+        // A flavour without endings has those of what it is one of: `ply-skeleton` is a .ply.
+        let is_flavour = format.extensions.is_empty()
+            && format.id.split_once('-').is_some_and(|(of, _)| other.extensions.contains(&of));
+        (!is_flavour).then_some(other)
     }
 
     /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews included;

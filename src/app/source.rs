@@ -125,9 +125,9 @@ pub fn named_in(document: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> 
     if path.exists() { Ok(path) } else { Err(not_there(Path::new(name))) }
 }
 
-/// Whether there is such a source at all, without reading it: for what is read later.
+/// Whether there is such a source at all, a tree or a forest, without reading it: for what is read later.
 pub fn ensure_there(source: &Path) -> anyhow::Result<()> {
-    let is_built_in = source.to_str().is_some_and(|id| builtin(id).is_ok());
+    let is_built_in = source.to_str().is_some_and(|id| builtin(id).is_ok() || builtin_forest(id).is_ok());
     if is_built_in || user_preset(source)?.is_some() { Ok(()) } else { ensure_is_file(source) }
 }
 

@@ -12,6 +12,7 @@ use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_
 
 use super::complete;
 use crate::exit::usage;
+use crate::portrait;
 use crate::progress::Progress;
 use linden_exporters::{Batch, Output, Written, default_name};
 
@@ -112,6 +113,13 @@ impl Outputs {
         let mut outputs = Vec::new();
         for (exporter, path) in targets {
             let format = exporter.format();
+            if let Some(other) = portrait::formats().misnamed(format, &path) {
+                let path = crate::paths::show(&path);
+                notes.push(format!(
+                    "{path} is of {}, as --format says, though its ending is of {}",
+                    format.id, other.id
+                ));
+            }
             let mut options = match profile {
                 Some(profile) => profile.options(format).map_err(usage)?,
                 None => Options::new(format),
@@ -130,8 +138,7 @@ impl Outputs {
             let Some(in_ages) = Output::new(exporter, options, path).in_ages(ages) else {
                 return Err(usage("a stream holds one age: name a file, which becomes one for each age"));
             };
-            let in_seasons = in_ages.into_iter().flat_map(|output| output.in_seasons(seasons));
-            outputs.extend(in_seasons.flat_map(|output| output.in_levels(levels)));
+            outputs.extend(in_ages.into_iter().flat_map(|output| output.in_files(seasons, levels)));
         }
         let folders = self.placing.folders(outputs.iter().map(|output| output.path.as_path()))?;
         let bundle = |output: &Output| self.placing.bundle(&output.path);

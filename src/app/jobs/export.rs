@@ -33,7 +33,7 @@ pub struct ExportOrder {
     pub seasons: Vec<Season>,
     /// What is written where; `~/` may still stand before a path.
     pub outputs: Vec<Output>,
-    /// Targets whose file may be replaced: those that the user was asked about.
+    /// Files that may be replaced, `~/` expanded: those that the user was asked about.
     pub replaces: Vec<PathBuf>,
     /// Whether directories that are missing are made: the user was asked about them.
     pub makes_folders: bool,
@@ -151,21 +151,17 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     // They go again when the export fails.
     let mut folders = Vec::new();
     for output in &mut outputs {
-        let may_replace = replaces.contains(&output.path);
         if let Some(typed) = output.path.to_str() {
             output.path = expand(typed, home.as_deref());
         }
         if makes_folders {
             folders.push(make_folders(&output.path)?);
         }
-        ensure_expected(output, may_replace)?;
     }
     let levels = subject.levels();
-    outputs = outputs.into_iter().flat_map(|output| output.in_seasons(&seasons)).collect();
-    outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels)).collect();
-    let is_another = |output: &&Output| output.level.is_some() || output.season.is_some();
-    if let Some(there) = outputs.iter().filter(is_another).find(|output| output.path.exists()) {
-        anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));
+    outputs = outputs.into_iter().flat_map(|output| output.in_files(&seasons, levels)).collect();
+    for output in &outputs {
+        ensure_expected(output, replaces.contains(&output.path))?;
     }
     let targets: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
     let replaced: Vec<bool> =

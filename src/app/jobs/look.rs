@@ -1,18 +1,20 @@
 //! Finding out what the export dialog wants to know. Looking at a disk may take its time, or for
 //! ever where a network is gone: so it has a separate lane, and the newest question wins.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use linden::season::Season;
 use linden::{Cancelled, Monitor};
-use linden_exporters::{Estimate, Existing, ExportError, examine};
+use linden_exporters::{Estimate, Existing, ExportError, Output, examine};
 
 use super::export::NO_STREAM;
 use super::{ExportNews, ShownTree};
 use crate::paths::{expand, is_one_of};
+use crate::portrait;
 use crate::system;
 
 /// What the export dialog wants to know.
@@ -20,8 +22,12 @@ use crate::system;
 pub struct Inquiry {
     /// Raised when all of it is to be found out anew.
     pub round: u32,
-    /// Targets as they were typed.
-    pub targets: Vec<String>,
+    /// What is to be written, each with its path as it was typed.
+    pub targets: Vec<Output>,
+    /// The levels of detail that it is written in.
+    pub levels: usize,
+    /// The seasons that it is written in; none: the one that it is in.
+    pub seasons: Vec<Season>,
     /// A path that is being typed, up to the cursor, to be completed.
     pub completes: Option<String>,
     /// A tree to be estimated.
@@ -34,11 +40,21 @@ impl PartialEq for Inquiry {
     /// Trees are compared by where they are.
     fn eq(&self, other: &Self) -> bool {
         self.round == other.round
-            && self.targets == other.targets
+            && self.targets.len() == other.targets.len()
+            && self.targets.iter().zip(&other.targets).all(|(one, another)| is_same(one, another))
+            && self.levels == other.levels
+            && self.seasons == other.seasons
             && self.completes == other.completes
             && self.sources == other.sources
             && self.shown.as_ref().map(Arc::as_ptr) == other.shown.as_ref().map(Arc::as_ptr)
     }
+}
+
+/// Whether the same is written to the same place.
+fn is_same(one: &Output, other: &Output) -> bool {
+    one.path == other.path
+        && one.exporter.format().id == other.exporter.format().id
+        && one.options.iter().eq(other.options.iter())
 }
 
 /// What was found out.
@@ -57,8 +73,9 @@ pub struct Findings {
 pub enum TargetFinding {
     /// A file there will be new.
     Free,
-    /// A file there would be replaced.
-    Replaces,
+    /// These files would be replaced: the one that was named, or those of single seasons and levels that are written in
+    /// its place.
+    Replaces(Vec<PathBuf>),
     /// A file there will be new, and so will its directory.
     NewFolder,
     /// No file can be written there, and why.
@@ -96,23 +113,59 @@ fn findings(
     home: Option<&Path>,
     watcher: &dyn Monitor,
 ) -> Result<Vec<TargetFinding>, Cancelled> {
-    let mut taken = BTreeMap::<(PathBuf, OsString), &str>::new();
+    let known = portrait::formats();
+    let mut taken = BTreeSet::<(PathBuf, OsString)>::new();
     let mut found = Vec::new();
-    for typed in &inquiry.targets {
+    for target in &inquiry.targets {
         watcher.check()?;
-        let path = expand(typed, home);
-        let twice = place_of(&path).and_then(|place| taken.insert(place, typed)).is_some();
-        found.push(if typed.is_empty() {
-            TargetFinding::Unfit("type where the file is to be".to_owned())
-        } else if twice {
-            TargetFinding::Unfit("another format goes there too; give each its own name".to_owned())
-        } else if is_one_of(&path, &inquiry.sources) {
-            TargetFinding::Unfit("the tree is grown from that file; choose another name".to_owned())
-        } else {
-            finding(&path)
-        });
+        let typed = target.path.to_string_lossy();
+        let path = expand(&typed, home);
+        let format = target.exporter.format();
+        if typed.is_empty() {
+            found.push(TargetFinding::Unfit("type where the file is to be".to_owned()));
+            continue;
+        }
+        if let Some(other) = known.misnamed(format, &path) {
+            let why =
+                format!("that ending is of {}, and this is {}; choose another name", other.id, format.id);
+            found.push(TargetFinding::Unfit(why));
+            continue;
+        }
+        let output = Output::new(target.exporter, target.options.clone(), path);
+        let files = output.in_files(&inquiry.seasons, inquiry.levels);
+        let mut whole = TargetFinding::Free;
+        for file in files {
+            watcher.check()?;
+            let twice = place_of(&file.path).is_some_and(|place| !taken.insert(place));
+            let one = if twice {
+                TargetFinding::Unfit("another format goes there too; give each its own name".to_owned())
+            } else if is_one_of(&file.path, &inquiry.sources) {
+                TargetFinding::Unfit("the tree is grown from that file; choose another name".to_owned())
+            } else {
+                finding(&file.path)
+            };
+            whole = whole.and(one);
+        }
+        found.push(whole);
     }
     Ok(found)
+}
+
+impl TargetFinding {
+    /// Of two files that are written for one target.
+    fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Unfit(why), _) | (_, Self::Unfit(why)) => Self::Unfit(why),
+            (Self::Replaces(mut files), Self::Replaces(more)) => {
+                files.extend(more);
+                Self::Replaces(files)
+            }
+            // Where a directory is missing, no file is there.
+            (Self::Replaces(files), _) | (_, Self::Replaces(files)) => Self::Replaces(files),
+            (Self::NewFolder, _) | (_, Self::NewFolder) => Self::NewFolder,
+            (Self::Free, Self::Free) => Self::Free,
+        }
+    }
 }
 
 fn finding(path: &Path) -> TargetFinding {
@@ -122,7 +175,7 @@ fn finding(path: &Path) -> TargetFinding {
             TargetFinding::Unfit("you may not write to that directory; choose one of yours".to_owned())
         }
         Ok(Existing::Nothing) => TargetFinding::Free,
-        Ok(Existing::File) => TargetFinding::Replaces,
+        Ok(Existing::File) => TargetFinding::Replaces(vec![path.to_owned()]),
         Err(ExportError::NoFolder { folder, .. }) if is_makeable(&folder) => TargetFinding::NewFolder,
         Err(error) => {
             // The path stands before it on the screen.
@@ -189,13 +242,21 @@ mod tests {
     use std::cell::RefCell;
 
     use linden::Quiet;
+    use linden_exporters::{Options, find};
 
     use super::*;
 
     fn asked(targets: &[&str], completes: Option<&str>, sources: Vec<PathBuf>) -> Findings {
-        let targets = targets.iter().map(|target| (*target).to_owned()).collect();
-        let inquiry =
-            Inquiry { round: 1, targets, completes: completes.map(str::to_owned), shown: None, sources };
+        let target = |path: &&str| {
+            let exporter = portrait::formats().for_path(Path::new(path)).unwrap_or(linden_exporters::USUAL);
+            Output::new(exporter, Options::new(exporter.format()), path.into())
+        };
+        let targets = targets.iter().map(target).collect();
+        let completes = completes.map(str::to_owned);
+        ask(Inquiry { round: 1, targets, levels: 1, seasons: vec![], completes, shown: None, sources })
+    }
+
+    fn ask(inquiry: Inquiry) -> Findings {
         let said = RefCell::new(None);
         look(inquiry, &Quiet, &|news| *said.borrow_mut() = Some(news));
         match said.into_inner() {
@@ -221,7 +282,8 @@ mod tests {
         let names = ["new.glb", "old.obj", "sub", "none/fir.ply", "crown.obj", "sub/../new.glb"];
         let targets = names.map(at);
         let found = asked(&targets.each_ref().map(String::as_str), None, vec![at("crown.obj").into()]);
-        assert_eq!(found.targets[..2], [TargetFinding::Free, TargetFinding::Replaces]);
+        let there = TargetFinding::Replaces(vec![at("old.obj").into()]);
+        assert_eq!(found.targets[..2], [TargetFinding::Free, there]);
         assert!(unfit(&found.targets[2]).starts_with("that is a directory"), "{found:?}");
         assert_eq!(found.targets[3], TargetFinding::NewFolder);
         assert!(unfit(&found.targets[4]).contains("grown from that file"), "{found:?}");
@@ -231,6 +293,64 @@ mod tests {
         #[cfg(unix)]
         assert!(unfit(&found.targets[1]).contains("pipe or a device"));
         assert_eq!(fs::read_to_string(at("old.obj")).unwrap(), "before");
+    }
+
+    #[test]
+    fn files_of_single_seasons_and_levels_are_looked_at_instead_of_the_one_that_was_named() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        for name in ["fir.obj", "fir_summer_LOD1.obj", "fir_autumn_LOD0.obj"] {
+            fs::write(at(name), "").unwrap();
+        }
+        let obj = find("obj").unwrap();
+        let inquiry = |seasons: &str, levels| Inquiry {
+            round: 1,
+            targets: vec![Output::new(obj, Options::new(obj.format()), at("fir.obj"))],
+            levels,
+            seasons: Season::parse_list(seasons).unwrap_or_default(),
+            completes: None,
+            shown: None,
+            sources: Vec::new(),
+        };
+        let found = |seasons, levels| ask(inquiry(seasons, levels)).targets.remove(0);
+        assert_eq!(found("", 1), TargetFinding::Replaces(vec![at("fir.obj")]));
+        assert_eq!(found("summer,autumn", 1), TargetFinding::Free);
+        let two = vec![at("fir_summer_LOD1.obj"), at("fir_autumn_LOD0.obj")];
+        assert_eq!(found("summer,autumn", 2), TargetFinding::Replaces(two));
+        assert!(inquiry("summer", 2) != inquiry("summer", 1) && inquiry("", 2) == inquiry("", 2));
+    }
+
+    #[test]
+    fn an_ending_of_another_format_is_unfit() {
+        let dir = tempfile::tempdir().unwrap();
+        let found = |format: &str, name: &str| {
+            let exporter = portrait::formats().find(format).unwrap();
+            let target = Output::new(exporter, Options::new(exporter.format()), dir.path().join(name));
+            let (levels, seasons) = (1, Vec::new());
+            let inquiry = Inquiry {
+                round: 1,
+                targets: vec![target],
+                levels,
+                seasons,
+                completes: None,
+                shown: None,
+                sources: Vec::new(),
+            };
+            ask(inquiry).targets.remove(0)
+        };
+        for (format, name) in [("obj", "x.glb"), ("glb", "x.png"), ("svg", "x.obj")] {
+            assert!(unfit(&found(format, name)).contains("that ending is of"), "{format} {name}");
+        }
+        for (format, name) in [
+            ("png", "x.jpg"),
+            ("png", "x.webp"),
+            ("png-sheet", "x.jpg"),
+            ("ply-skeleton", "x.ply"),
+            ("obj", "x.tree"),
+            ("obj", "x"),
+        ] {
+            assert_eq!(found(format, name), TargetFinding::Free, "{format} {name}");
+        }
     }
 
     #[test]

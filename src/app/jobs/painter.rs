@@ -301,7 +301,11 @@ fn legend(request: &DrawRequest) -> Option<[String; 2]> {
             let (least, most) = thick.fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(r), b.max(r)));
             least.is_finite().then(|| [format!("{} thick", thickness(least)), thickness(most)])
         }
-        Paint::Birth => Some(["step 0".to_owned(), shown.steps.to_string()]),
+        // In what growth is played in.
+        Paint::Birth => Some(match shown.recipe.preset.generator.steps() {
+            Some(steps) => [format!("{} 0", steps.unit), steps.count.to_string()],
+            None => ["step 0".to_owned(), shown.steps.to_string()],
+        }),
         Paint::Light => Some(["shade".to_owned(), "open sky".to_owned()]),
         _ if paint.hindrance(skeleton).is_some() => None,
         Paint::Source => Some(["guessed".to_owned(), "measured".to_owned()]),

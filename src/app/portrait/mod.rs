@@ -11,7 +11,7 @@ use linden::foliage::Organs;
 use linden::memory::OverMemory;
 use linden::picture::{PNG_BYTES_PER_PIXEL, Picture, PictureFormat};
 use linden::scene::Scene;
-use linden_exporters::{Bundle, ExportError};
+use linden_exporters::{Bundle, ExportError, Registry};
 use linden_raster::memory::admit_png;
 use linden_raster::{
     Background, Camera, Drawing, RasterError, Size, Slice, Style, Surface, draw_flat, draw_skeleton,
@@ -23,6 +23,11 @@ use crate::viewpoint::broad_side;
 pub use apart::{FOREST_PNG, FOREST_SIZE, SHEET, Sitters, draw_forest, is_apart, write_apart};
 pub use formats::{PNG, SVG};
 pub use sitter::{PreviewLook, Sitter};
+
+/// What can be exported to, pictures included.
+pub fn formats() -> Registry {
+    Registry::new().with(PNG).with(SVG).with(SHEET)
+}
 
 /// How far from above a tree is looked at by default, degrees.
 pub const PITCH_DEG: f32 = 8.0;

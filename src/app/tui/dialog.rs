@@ -71,6 +71,20 @@ pub trait Dialog<M>: Any {
         After::Closes
     }
 
+    /// The mouse is about to do something in the panes while this is open: a line that is typed is taken or given up
+    /// first, so that what was typed for one row does not go to another. What lives with the panes stays.
+    fn leave(&mut self, _model: &mut M, _effects: &mut Effects) -> After {
+        After::Stays
+    }
+
+    /// For [`leave`](Self::leave): what was typed counts where it can be taken, and is given up otherwise.
+    fn take_or_give_up(&mut self, model: &mut M, effects: &mut Effects) -> After {
+        if self.accept(model, effects) == After::Stays {
+            self.cancel(model, effects);
+        }
+        After::Closes
+    }
+
     /// It is given up, and closed thereafter: takes back what it did on the way.
     fn cancel(&mut self, _model: &mut M, _effects: &mut Effects) {}
 
@@ -88,6 +102,11 @@ impl<M> Default for Dialogs<M> {
 }
 
 impl<M: 'static> Dialogs<M> {
+    /// How many are open.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Whether none is open.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()

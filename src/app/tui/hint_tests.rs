@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use linden_terminal::input::Shortcut;
 
-use super::chrome::footer::{hints, key_label};
+use super::chrome::footer::{hints, label_of};
 use super::command::Context;
 use super::commands;
 use super::testing::Bench;
@@ -124,7 +124,7 @@ fn every_hinted_key_does_what_it_says() {
             let id = hint.command.id;
             let keys = bench(path).model.config.keymap.keys_of(id).to_vec();
             let shown: Vec<&Shortcut> =
-                keys.iter().filter(|key| key_label(&key.to_string()) == hint.key).collect();
+                keys.iter().filter(|key| label_of(&key.to_string(), true) == hint.key).collect();
             let [key] = shown[..] else { panic!("{path:?} {id}: {} is {shown:?}", hint.key) };
             let mut pressed = bench(path);
             let before = state(&pressed);

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use linden_terminal::ColorDepth;
 
-use super::chrome::footer::key_label;
+use super::chrome::footer::label_of;
 use super::command::Context;
 use super::commands;
 use crate::config::keymap::Keymap;
@@ -25,7 +25,7 @@ fn table() -> String {
         let words: Vec<String> = commands
             .map(|command| {
                 let keys: Vec<String> =
-                    command.keys.iter().map(|key| format!("`{}`", key_label(key))).collect();
+                    command.keys.iter().map(|key| format!("`{}`", label_of(key, true))).collect();
                 format!("{} {}", keys.join(" "), command.title.replace(' ', "\u{a0}"))
             })
             .collect();

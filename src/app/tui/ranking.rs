@@ -6,6 +6,7 @@ use nucleo_matcher::{Config, Matcher, Utf32Str};
 
 /// What was typed.
 pub struct Ranking {
+    typed: String,
     pattern: Pattern,
     matcher: Matcher,
     buffer: Vec<char>,
@@ -17,12 +18,27 @@ impl Ranking {
         let mut config = Config::DEFAULT;
         config.prefer_prefix = true;
         let pattern = Pattern::parse(typed, CaseMatching::Ignore, Normalization::Smart);
-        Self { pattern, matcher: Matcher::new(config), buffer: Vec::new() }
+        let typed = plain(typed);
+        Self { typed, pattern, matcher: Matcher::new(config), buffer: Vec::new() }
     }
 
     /// How well a name matches; `None` where it does not.
     pub fn score(&mut self, name: &str) -> Option<u32> {
         self.pattern.score(Utf32Str::new(name, &mut self.buffer), &mut self.matcher)
+    }
+
+    /// Whether a name is what was typed, begins with it, or neither: this counts before any score.
+    pub fn closeness(&self, name: &str) -> Closeness {
+        let name = plain(name);
+        if self.typed.is_empty() {
+            Closeness::Within
+        } else if name == self.typed {
+            Closeness::Whole
+        } else if name.starts_with(&self.typed) {
+            Closeness::Beginning
+        } else {
+            Closeness::Within
+        }
     }
 
     /// The same with the letters that match, in their order.
@@ -34,6 +50,22 @@ impl Ranking {
         marks.dedup();
         Some((score, marks))
     }
+}
+
+/// What a name has of what was typed, the closest last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Closeness {
+    /// Its letters, somewhere.
+    Within,
+    /// Its beginning.
+    Beginning,
+    /// All of it.
+    Whole,
+}
+
+/// A name as it is compared: in small letters, with spaces for underscores.
+fn plain(name: &str) -> String {
+    name.trim().to_lowercase().replace('_', " ")
 }
 
 #[cfg(test)]

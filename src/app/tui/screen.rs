@@ -1,5 +1,7 @@
 //! The whole screen, painted into a buffer.
 
+use std::sync::Arc;
+
 use linden::forest::Places;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -16,6 +18,9 @@ use super::layout::{Layout, Pane, Target, View};
 use super::model::Model;
 use super::{export, growth, library, picture, shape};
 use crate::wrap::clipped;
+
+/// What is said where the picture is of a tree before the last change, which did not grow.
+pub const NOT_GROWN: &str = "✗ did not grow";
 
 /// Paints everything.
 pub fn view(model: &Model, buffer: &mut Buffer) -> View {
@@ -36,7 +41,7 @@ pub fn view(model: &Model, buffer: &mut Buffer) -> View {
         }
     }
     let (screen, body) = (Rect::new(0, 0, model.size.0, model.size.1), model.dialog_body());
-    let status = Line::from(export::status(model));
+    let status = Line::from(export::status(model, layout.footer.width / 2));
     if model.dialogs.last().is_some_and(Dialog::is_prompt) {
         // A line that no pane shows is typed over the footer.
         footer::view(model, status, layout.footer, buffer, &mut view);
@@ -128,13 +133,17 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
     // A name of any length leaves room for what follows.
     row.put(&clipped(name, usize::from(area.width / 3).max(12)), theme.accent, 2);
+    if tree.fault.is_some() {
+        row.put(NOT_GROWN, theme.error, 2);
+    }
     if tree.compares {
         row.put("as saved", theme.warning, 2);
     } else if tree.is_modified() {
         row.put("● modified", theme.modified, 2);
     }
     let mut figures = vec![format!("seed {}", preset.seed())];
-    if let Some(shown) = &tree.shown {
+    // What grew from other knobs says nothing of these.
+    if let Some(shown) = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted())) {
         let m = &shown.measures;
         figures.push(format!("{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));
         figures.push(format!("{} m tall", metres(m.height_m)));
@@ -153,12 +162,15 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
 fn forest_title(model: &Model, forest: &ForestOnScreen, width: u16, row: &mut TitleRow<'_>) {
     let theme = &model.config.theme;
     row.put(&clipped(&forest.wanted().name, usize::from(width / 3).max(12)), theme.accent, 2);
+    if forest.fault.is_some() {
+        row.put(NOT_GROWN, theme.error, 2);
+    }
     if forest.is_modified() {
         row.put("● modified", theme.modified, 2);
     }
     let layout = &forest.wanted().layout;
     let mut figures = vec![format!("seed {}", layout.seed)];
-    if let Some(shown) = &forest.shown {
+    if let Some(shown) = forest.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.forest, forest.wanted())) {
         figures.push(format!("{} trees", thousands(shown.trees)));
         let grown = shown.grown.trees.len() as u64;
         if grown < shown.trees {

@@ -75,7 +75,12 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
     match msg {
         Msg::Input(event) => {
             model.last_input = now;
+            let (open, said) = (model.dialogs.len(), model.message.clone());
             input(model, event, &mut effects);
+            // What was said before does not lie over the keys of what is open now; it is on the page of messages.
+            if model.dialogs.len() > open && model.message == said {
+                model.message = None;
+            }
         }
         Msg::Resized(columns, rows) => {
             model.size = (columns, rows);
@@ -215,6 +220,14 @@ fn on_mouse(model: &mut Model, mouse: MouseEvent, effects: &mut Effects) {
     let at = Position::new(mouse.column, mouse.row);
     let Some(&(_, target)) = model.regions.iter().rev().find(|(area, _)| area.contains(at)) else { return };
     let presses = matches!(mouse.kind, MouseEventKind::Down(_));
+    let moves = matches!(mouse.kind, MouseEventKind::ScrollUp | MouseEventKind::ScrollDown);
+    // What the row is now: a value that is taken may bring other knobs.
+    let row = if let Target::Knob(row) = target { shape::spot_of_row(model, row) } else { None };
+    let is_of_list =
+        matches!(target, Target::Preset(_) | Target::Knob(_) | Target::Pane(Pane::Presets | Pane::Shape));
+    if is_of_list && (presses || moves) {
+        model.tell(|dialog, model| dialog.leave(model, effects));
+    }
     match target {
         Target::Command(id) if presses => run(model, id, effects),
         Target::Pane(pane) => {
@@ -228,7 +241,7 @@ fn on_mouse(model: &mut Model, mouse: MouseEvent, effects: &mut Effects) {
             }
         }
         Target::Preset(row) => library::clicked(model, row, mouse, effects),
-        Target::Knob(row) => shape::clicked(model, row, mouse, effects),
+        Target::Knob(_) => shape::clicked(model, row, mouse),
         Target::Growth(step) if presses => {
             model.growth.stop();
             model.wind.stop();

@@ -5,6 +5,7 @@ use super::palette::Palette;
 use super::{prompt, yank};
 use crate::tui::command::Context;
 use crate::tui::effect::{Effect, Effects};
+use crate::tui::growth;
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_form};
 
@@ -95,6 +96,7 @@ pub const COMMANDS: &[Command] = &[
         hint: Some(50),
         hindrance: without_form,
         run: |model, effects| {
+            model.end_comparison();
             let of_tree = model.tree.as_ref().map(yank::command_line);
             let of_forest = || model.forest.as_ref().and_then(yank::forest_command_line);
             let Some(text) = of_tree.or_else(of_forest) else {
@@ -102,7 +104,10 @@ pub const COMMANDS: &[Command] = &[
             };
             let first = text.lines().next().unwrap_or_default().to_owned();
             effects.push(Effect::Copy(text));
-            model.say(format!("copied: {first}"));
+            match growth::warning(model) {
+                Some(warning) => model.say_warning(format!("copied, {warning}: {first}")),
+                None => model.say(format!("copied: {first}")),
+            }
         },
     },
     Command {
@@ -114,6 +119,7 @@ pub const COMMANDS: &[Command] = &[
         hint: None,
         hindrance: without_form,
         run: |model, effects| {
+            model.end_comparison();
             let of_tree = model.tree.as_ref().map(|tree| tree.recipe().to_line());
             let of_forest = || model.forest.as_ref().map(|forest| forest.wanted().to_line());
             if let Some(line) = of_tree.or_else(of_forest) {

@@ -61,7 +61,7 @@ pub fn welcome(model: &Model) -> String {
         ("export", "write it as a file"),
         ("help", "all keys"),
     ];
-    let key = |id| model.config.keymap.keys_of(id).first().map(|key| key_label(&key.to_string()));
+    let key = |id| model.config.keymap.keys_of(id).first().map(|key| key_label(model, &key.to_string()));
     let ways = ways.into_iter().filter_map(|(id, what)| Some(format!("{} {what}", key(id)?)));
     format!("Welcome to linden: {}", ways.collect::<Vec<_>>().join(", "))
 }
@@ -103,7 +103,7 @@ fn hint(model: &Model, id: &str) -> Option<Hint> {
     let key = model.config.keymap.keys_of(id).iter().find(runs_it)?;
     // A pane by its name says more than 'next'.
     let label = if id == "focus-next" { model.focus.next(1).title() } else { command.title };
-    Some(Hint { command, key: key_label(&key.to_string()), label })
+    Some(Hint { command, key: key_label(model, &key.to_string()), label })
 }
 
 /// Those that have room, whole, in their order: the reserved ones first, then as many of the others
@@ -153,8 +153,14 @@ fn paint<'h>(
     }
 }
 
-/// A key as people know it: arrows as arrows, `^R`, `Shift-→`, `Alt-←`.
-pub fn key_label(key: &str) -> String {
+/// A key as people know it: `^R`, and arrows as arrows, `Shift-→`, `Alt-←`, or as words on a terminal of ASCII, which
+/// would show them as the keys `<` and `>`.
+pub fn key_label(model: &Model, key: &str) -> String {
+    label_of(key, model.terminal.unicode.value)
+}
+
+/// The same of a terminal that has arrows, or has none.
+pub fn label_of(key: &str, has_arrows: bool) -> String {
     let mut label = String::new();
     let mut rest = key;
     let mut is_ctrl = false;
@@ -168,6 +174,10 @@ pub fn key_label(key: &str) -> String {
         rest = after;
     }
     let named = match rest {
+        "left" if !has_arrows => "Left",
+        "right" if !has_arrows => "Right",
+        "up" if !has_arrows => "Up",
+        "down" if !has_arrows => "Down",
         "left" => "←",
         "right" => "→",
         "up" => "↑",
@@ -234,7 +244,10 @@ mod tests {
             ("ctrl--", "^-"),
         ];
         for (key, label) in expected {
-            assert_eq!(key_label(key), label);
+            assert_eq!(label_of(key, true), label);
+        }
+        for (key, label) in [("left", "Left"), ("ctrl-up", "Ctrl-Up"), ("shift-right", "Shift-Right")] {
+            assert_eq!(label_of(key, false), label, "ASCII has no arrows");
         }
     }
 }

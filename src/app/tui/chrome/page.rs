@@ -97,7 +97,7 @@ impl Page {
                     .keymap
                     .keys_of(command.id)
                     .iter()
-                    .map(|key| key_label(&key.to_string()))
+                    .map(|key| key_label(model, &key.to_string()))
                     .collect();
                 lines.push(PageLine::Keys(keys.join(" "), command.help.to_owned()));
             }

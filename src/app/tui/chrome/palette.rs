@@ -21,7 +21,7 @@ use crate::tui::export;
 use crate::tui::layout::{Pane, Target, View, centered, first_row};
 use crate::tui::library::{open_path, show_selected};
 use crate::tui::model::{Command, FormSpot, Model, has_tags, split_tags};
-use crate::tui::ranking::Ranking;
+use crate::tui::ranking::{Closeness, Ranking};
 use crate::tui::shape;
 use crate::tui::tree::TreePlace;
 use crate::wrap::clipped;
@@ -100,7 +100,7 @@ impl Palette {
         }
         let (wanted, words) = split_tags(self.input.value());
         let mut ranking = Ranking::of(&words);
-        let mut found: Vec<(u32, Found<'_>)> = Vec::new();
+        let mut found: Vec<((Closeness, u32), Found<'_>)> = Vec::new();
         let is_tagged = |choice: &&Choice| {
             let tags: Vec<&str> = choice.tags.iter().map(String::as_str).collect();
             has_tags(&tags, &wanted)
@@ -115,7 +115,10 @@ impl Palette {
             // A title is meant more often than another name of the same.
             let score = title.map(|score| 3 * score).into_iter().chain(other.map(|score| 2 * score)).max();
             if let Some(score) = score {
-                found.push((score, Found { choice, value: None, marks: marks.unwrap_or_default() }));
+                found.push((
+                    (ranking.closeness(&choice.title), score),
+                    Found { choice, value: None, marks: marks.unwrap_or_default() },
+                ));
             }
         }
         // Stable: equals keep their order, commands first.
@@ -285,7 +288,7 @@ fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer
     let tail = match what {
         What::Command(command) => {
             let keys = model.config.keymap.keys_of(command.id).iter().take(2);
-            keys.map(|key| key_label(&key.to_string())).collect::<Vec<_>>().join(" ")
+            keys.map(|key| key_label(model, &key.to_string())).collect::<Vec<_>>().join(" ")
         }
         What::Knob(_) => "knob".to_owned(),
         What::Age(_) => "age".to_owned(),

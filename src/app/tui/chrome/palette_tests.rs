@@ -1,3 +1,4 @@
+use super::Palette;
 use crate::tui::chrome::prompt;
 use crate::tui::effect::Effect;
 use crate::tui::export::EXPORT_CONTEXT;
@@ -55,4 +56,16 @@ fn ages_are_shown_one_after_the_other() {
     bench.keys(":").types("age young").keys("enter");
     let preset = bench.model.tree.as_ref().unwrap().preset();
     assert_eq!(preset.text_of(&preset.find_knob("points").unwrap()).as_deref(), Some("70"));
+}
+
+#[test]
+fn a_whole_name_comes_before_what_merely_has_its_letters() {
+    for (typed, first) in
+        [("fir", "fir"), ("season", "season"), ("seed", "seed"), ("age", "age"), ("PNG", "png")]
+    {
+        let mut bench = Bench::new(100, 30).without_pictures().with_plain("silver-birch");
+        bench.keys(":").types(typed);
+        let palette = bench.model.dialogs.top::<Palette>().unwrap();
+        assert_eq!(palette.found()[0].choice.title, first, "{typed}");
+    }
 }

@@ -11,7 +11,7 @@ use unicode_width::UnicodeWidthStr;
 use crate::config::theme::Theme;
 use crate::system::CTRL_ALT_TYPES;
 use crate::tui::command::Context;
-use crate::tui::layout::View;
+use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
 use crate::wrap::clipped;
 
@@ -103,6 +103,8 @@ impl Prompt {
         let theme = &model.config.theme;
         let row = Rect { y: screen.bottom() - 1, height: 1, ..screen };
         let label = clipped(&format!(" {label}: "), usize::from(screen.width).saturating_sub(4));
+        // Its hints, which it covers, are not meant by the mouse.
+        view.regions.push((row, Target::Dialog(None)));
         Clear.render(row, buffer);
         buffer.set_style(row, theme.input);
         buffer.set_stringn(row.x, row.y, &label, row.width.into(), theme.key);

@@ -1,7 +1,7 @@
 //! The commands that export, and those of the dialog.
 
 use super::dialog::{self, ExportDialog, StartState};
-use super::{cancel, has_nothing, new_dialog, start};
+use super::{cancel, has_nothing, open, start};
 use crate::tui::chrome::{Page, PageLine};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
@@ -95,11 +95,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Writes what is on screen for 3D programs",
         hint: Some(40),
         hindrance: has_nothing,
-        run: |model, _| {
-            if let Some(dialog) = new_dialog(model) {
-                model.dialogs.open(dialog);
-            }
-        },
+        run: |model, _| open(model),
     },
     Command {
         id: "export-cancel",
@@ -195,13 +191,13 @@ pub const COMMANDS: &[Command] = &[
         "export-close",
         &["esc", "q"],
         "Close",
-        "Closes the dialog, or takes the question back",
+        "Closes the dialog, or takes the question back; what was set is there again when it opens on the same tree",
         Some(20),
-        |m, _| {
+        |m, effects| {
             if asks(m) {
                 with(m, |dialog| dialog.start = StartState::Idle);
             } else {
-                m.dialogs.close::<ExportDialog>();
+                m.cancel(effects);
             }
         },
     ),

@@ -18,13 +18,17 @@ use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
 use crate::tui::chrome::prompt::{common_start, edit, paste};
 use crate::tui::command::Context;
+use crate::tui::model::KeptExport;
 use crate::tui::shape::nudge::{Nudge, nudged};
+use crate::tui::tree::TreePlace;
 use linden_exporters::{Output, default_name};
 
 /// How the session's file calls it that camera, sun, sky and ground go along.
 const SCENE: &str = "scene";
 /// How it calls the seasons that are written.
 const SEASONS: &str = "seasons";
+/// The option that formats have which show one view.
+const YAW: &str = "yaw";
 /// Where the dialog's keys are listened to.
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
 /// Where the keys of a line in the dialog are listened to.
@@ -46,8 +50,10 @@ pub struct ExportDialog {
     pub seasons: String,
     /// Knobs of the tree that are turned for this export; none of a forest.
     pub knobs: Option<ExportKnobs>,
-    /// What was found out about targets, by what was typed.
-    findings: BTreeMap<String, TargetFinding>,
+    /// Options that are set as the picture on screen is: format and option by their places, and the value.
+    as_on_screen: Vec<(usize, usize, Value)>,
+    /// What was found out about targets, by their format and what was typed.
+    findings: BTreeMap<(&'static str, String), TargetFinding>,
     /// What the tree will amount to.
     estimate: Option<(Arc<ShownTree>, Estimate)>,
     /// Raised whenever everything is to be found out anew.
@@ -173,6 +179,7 @@ impl ExportDialog {
                 },
             ),
             knobs: tree.map(ExportKnobs::new),
+            as_on_screen: Vec::new(),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
@@ -202,6 +209,56 @@ impl ExportDialog {
         spots.extend(self.knobs.as_ref().map(|_| ExportSpot::Seasons));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
+    }
+
+    /// Sets the options of pictures that say how they are seen, as names and values, but those that `set` has as
+    /// `FORMAT.OPTION`.
+    pub fn see_as(&mut self, view: &[(&'static str, String)], set: &[(String, String)]) {
+        for (i, choice) in self.formats.iter_mut().enumerate() {
+            let format = choice.exporter.format();
+            // A sheet of several has its trees side by side.
+            if format.options.iter().all(|spec| spec.knob.name != YAW) {
+                continue;
+            }
+            for (k, spec) in format.options.iter().enumerate() {
+                let name = format!("{}.{}", format.id, spec.knob.name);
+                let seen = view.iter().find(|(option, _)| *option == spec.knob.name);
+                if let Some((_, text)) = seen.filter(|_| set.iter().all(|(set, _)| *set != name))
+                    && choice.options.set(spec.knob.name, text).is_ok()
+                    && let Some((_, value)) = choice.options.iter().nth(k)
+                {
+                    self.as_on_screen.push((i, k, value.clone()));
+                }
+            }
+        }
+    }
+
+    /// Whether an option of a format is as the picture on screen is.
+    pub fn is_as_on_screen(&self, format: usize, option: usize) -> bool {
+        let now = self.formats.get(format).and_then(|choice| choice.option(option));
+        let seen = |(i, k, value): &(usize, usize, Value)| {
+            (*i, *k) == (format, option) && now.is_some_and(|(_, now)| now == value)
+        };
+        self.as_on_screen.iter().any(seen)
+    }
+
+    /// What was set, for when it is opened again on the same.
+    pub fn kept(&self, place: TreePlace) -> KeptExport {
+        let turned = self.knobs.iter().flat_map(ExportKnobs::turned);
+        KeptExport { place, choices: self.choices(), knobs: turned.collect() }
+    }
+
+    /// Sets what was kept and the choices do not say.
+    pub fn restore(&mut self, kept: &KeptExport) {
+        for (format, target) in kept.choices.formats.iter().zip(&kept.choices.targets) {
+            let choice = self.formats.iter_mut().find(|choice| choice.exporter.format().id == format);
+            if let Some(choice) = choice {
+                choice.target.clone_from(target);
+            }
+        }
+        if let Some(knobs) = &mut self.knobs {
+            knobs.turn(&kept.knobs);
+        }
     }
 
     /// Formats that are written.
@@ -352,15 +409,22 @@ impl ExportDialog {
     }
 
     /// What has to be found out, `shown` being the tree on screen.
-    pub fn inquiry(&self, shown: Option<&Arc<ShownTree>>, sources: Vec<PathBuf>) -> Inquiry {
-        let target = |(i, choice): (usize, &FormatChoice)| match &self.line {
-            Some(line) if self.cursor == ExportSpot::Target(i) => line.input.value().trim().to_owned(),
-            _ => choice.target.clone(),
+    ///
+    /// `levels` are those of what is on screen.
+    pub fn inquiry(&self, shown: Option<&Arc<ShownTree>>, levels: usize, sources: Vec<PathBuf>) -> Inquiry {
+        let target = |(i, choice): (usize, &FormatChoice)| {
+            let typed = match &self.line {
+                Some(line) if self.cursor == ExportSpot::Target(i) => line.input.value().trim(),
+                _ => choice.target.as_str(),
+            };
+            Output::new(choice.exporter, choice.options.clone(), PathBuf::from(typed))
         };
         let chosen = self.formats.iter().enumerate().filter(|(_, choice)| choice.chosen);
         Inquiry {
             round: self.round,
             targets: chosen.map(target).collect(),
+            levels: self.knobs.as_ref().map_or(levels, ExportKnobs::levels),
+            seasons: self.chosen_seasons(),
             completes: self.line.as_ref().and_then(|line| line.completes.clone()),
             shown: shown.filter(|shown| !self.is_another_tree() && self.estimate(shown).is_none()).cloned(),
             sources,
@@ -376,7 +440,9 @@ impl ExportDialog {
         {
             complete(line, completions);
         }
-        self.findings = inquiry.targets.into_iter().zip(targets).collect();
+        let place =
+            |output: &Output| (output.exporter.format().id, output.path.to_string_lossy().into_owned());
+        self.findings = inquiry.targets.iter().map(place).zip(targets).collect();
         self.start == StartState::Looking && inquiry.round == self.round
     }
 
@@ -403,31 +469,38 @@ impl ExportDialog {
         self.estimate.as_ref().filter(|(of, _)| Arc::ptr_eq(of, shown)).map(|(_, estimate)| estimate)
     }
 
-    /// What was found out about what stands in a line.
-    pub fn finding(&self, target: &str) -> Option<&TargetFinding> {
-        self.findings.get(target.trim())
+    /// What was found out about where a format goes.
+    pub fn finding(&self, choice: &FormatChoice) -> Option<&TargetFinding> {
+        self.finding_at(choice, &choice.target)
+    }
+
+    /// What was found out about what stands in a format's line.
+    pub fn finding_at(&self, choice: &FormatChoice, target: &str) -> Option<&TargetFinding> {
+        self.findings.get(&(choice.exporter.format().id, target.trim().to_owned()))
     }
 
     /// The first format that cannot be written where it should go, and why.
     pub fn unfit(&self) -> Option<(usize, String)> {
         let mut chosen = self.formats.iter().enumerate().filter(|(_, choice)| choice.chosen);
-        let why = |(i, choice): (usize, &FormatChoice)| match self.finding(&choice.target) {
+        let why = |(i, choice): (usize, &FormatChoice)| match self.finding(choice) {
             Some(TargetFinding::Unfit(why)) => Some((i, why.clone())),
             _ => None,
         };
         chosen.find_map(why)
     }
 
-    /// Targets whose file would be replaced.
+    /// Files that would be replaced.
     pub fn replaced(&self) -> Vec<PathBuf> {
-        let is_there =
-            |choice: &&FormatChoice| self.finding(&choice.target) == Some(&TargetFinding::Replaces);
-        self.chosen().filter(is_there).map(|choice| PathBuf::from(&choice.target)).collect()
+        let there = |choice: &FormatChoice| match self.finding(choice) {
+            Some(TargetFinding::Replaces(files)) => files.clone(),
+            _ => Vec::new(),
+        };
+        self.chosen().flat_map(there).collect()
     }
 
     /// Whether a directory is missing for any of them, and can be made.
     pub fn makes_folders(&self) -> bool {
-        self.chosen().any(|choice| self.finding(&choice.target) == Some(&TargetFinding::NewFolder))
+        self.chosen().any(|choice| self.finding(choice) == Some(&TargetFinding::NewFolder))
     }
 
     /// What is written where.
@@ -447,10 +520,11 @@ impl ExportDialog {
         if !self.seasons.is_empty() {
             options.push((SEASONS.to_owned(), self.seasons.clone()));
         }
-        for choice in &self.formats {
+        for (i, choice) in self.formats.iter().enumerate() {
             let format = choice.exporter.format();
-            for (spec, (name, value)) in format.options.iter().zip(choice.options.iter()) {
-                if spec.knob.kind.parse(spec.default).as_ref() != Ok(value) {
+            for (k, (spec, (name, value))) in format.options.iter().zip(choice.options.iter()).enumerate() {
+                // How the picture is seen now is asked anew.
+                if !self.is_as_on_screen(i, k) && spec.knob.kind.parse(spec.default).as_ref() != Ok(value) {
                     options.push((format!("{}.{name}", format.id), value.to_string()));
                 }
             }

@@ -65,6 +65,21 @@ impl ExportKnobs {
             .map(move |(knob, value, _)| (knob.knob.name, text(knob, &value)))
     }
 
+    /// Turns knobs by their names, as far as they can be.
+    pub fn turn(&mut self, knobs: &[(&'static str, String)]) {
+        for (name, text) in knobs {
+            if self.rows.iter().any(|row| row.knob.name == *name) {
+                // What another tree was given may not be for this one.
+                let _ = self.turned.set(name, text);
+            }
+        }
+    }
+
+    /// The levels of detail that are written.
+    pub fn levels(&self) -> usize {
+        self.turned.dressing.detail.levels()
+    }
+
     /// Whether all is as on screen.
     pub fn is_idle(&self) -> bool {
         self.turned().next().is_none()

@@ -23,10 +23,14 @@ use super::effect::{Effect, Effects};
 use super::library;
 use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
-use crate::jobs::{ExportNews, ExportOrder, ExportSubject, Inquiry, ShownTree, WHOLE};
+use crate::jobs::{
+    ExportNews, ExportOrder, ExportSubject, FOREST_PITCH_DEG, FOREST_YAW_DEG, Inquiry, PictureLook,
+    ShownTree, WHOLE,
+};
 use crate::paths::show;
-use crate::portrait::{FOREST_PNG, PNG, SHEET, SVG};
+use crate::portrait::{self, FOREST_PNG, PITCH_DEG};
 use linden_exporters::{Exporter, Registry};
+use linden_raster::{Camera, Paint};
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;
@@ -35,7 +39,7 @@ const MOST_REPORTS: usize = 20;
 
 /// What can be exported to: linden's formats, pictures, and those of plug-ins.
 pub fn formats() -> Vec<&'static dyn Exporter> {
-    Registry::new().with(PNG).with(SVG).with(SHEET).exporters()
+    portrait::formats().exporters()
 }
 
 /// What a forest can be exported to. It has no flat drawing, and no sheet of several.
@@ -48,10 +52,13 @@ fn formats_of_forests() -> Vec<&'static dyn Exporter> {
 pub fn wanted(model: &Model) -> Option<Inquiry> {
     let dialog = model.dialogs.find::<ExportDialog>()?;
     if let Some(forest) = &model.forest {
-        return Some(dialog.inquiry(None, forest.files().to_vec()));
+        let kinds = forest.wanted().kinds.iter();
+        let levels = kinds.map(|kind| kind.recipe.preset.dressing.detail.levels()).max().unwrap_or(1);
+        return Some(dialog.inquiry(None, levels, forest.files().to_vec()));
     }
     let tree = model.tree.as_ref()?;
-    Some(dialog.inquiry(current(tree), tree.files()))
+    let levels = tree.wanted().preset.dressing.detail.levels();
+    Some(dialog.inquiry(current(tree), levels, tree.files()))
 }
 
 /// The tree as it grew, `None` while what is on screen is an older one.
@@ -75,7 +82,8 @@ pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
             ended(model, number, effects);
         }
         ExportNews::Failed { number, why } => {
-            model.say_error(format!("the export failed, nothing was written: {why}"));
+            // The footer has room for one line, and the reason is what is to be read.
+            model.say_error(format!("{why}; the export failed, nothing was written"));
             ended(model, number, effects);
         }
         ExportNews::Cancelled { number } => {
@@ -154,11 +162,60 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
     let all = if model.forest.is_some() { formats_of_forests() } else { formats() };
     let tree = model.tree.as_ref().map(Tree::wanted);
-    Some(ExportDialog::new(&model.exporting.last, id, &all, tree))
+    let kept = model.exporting.kept.as_ref().filter(|kept| Some(&kept.place) == model.place());
+    let choices = kept.map_or(&model.exporting.last, |kept| &kept.choices);
+    let mut dialog = ExportDialog::new(choices, id, &all, tree);
+    if let Some(kept) = kept {
+        dialog.restore(kept);
+    }
+    dialog.see_as(&view_on_screen(model), kept.map_or(&[], |kept| &kept.choices.options));
+    Some(dialog)
+}
+
+/// How the picture on screen is seen, as options of pictures: what was turned or chosen there. What was not is left to
+/// the format.
+fn view_on_screen(model: &Model) -> Vec<(&'static str, String)> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    let usual = match (shown, &model.forest) {
+        (_, Some(_)) => Camera::orbit(FOREST_YAW_DEG, FOREST_PITCH_DEG),
+        (Some(shown), None) => Camera::orbit(shown.broad_side_deg(), PITCH_DEG),
+        (None, None) => return Vec::new(),
+    };
+    let (camera, picture) = (&model.picture.camera, &model.picture);
+    let short = |x: f32| (f64::from(x) * 100.0).round() / 100.0;
+    let angles = [
+        ("yaw", camera.yaw_deg, usual.yaw_deg),
+        ("pitch", camera.pitch_deg, usual.pitch_deg),
+        ("zoom", camera.zoom, usual.zoom),
+    ];
+    let turned = angles.into_iter().filter(|(_, now, usual)| short(*now) != short(*usual));
+    let mut view: Vec<_> = turned.map(|(name, now, _)| (name, short(now).to_string())).collect();
+    if picture.is_look_chosen && model.forest.is_none() {
+        let look = match picture.look {
+            PictureLook::Surface => "surface",
+            PictureLook::Turtle => "turtle",
+            PictureLook::Skeleton(paint) => {
+                let name = Paint::ALL.into_iter().find(|(_, of, _)| *of == paint).map(|(name, ..)| name);
+                view.extend(name.map(|name| ("color", name.to_owned())));
+                "skeleton"
+            }
+        };
+        view.push(("look", look.to_owned()));
+    }
+    view
+}
+
+/// Opens the dialog.
+fn open(model: &mut Model) {
+    model.end_comparison();
+    if let Some(dialog) = new_dialog(model) {
+        model.dialogs.open(dialog);
+    }
 }
 
 /// Opens the dialog with a format ticked, the cursor on it.
 pub fn open_with(model: &mut Model, format: &str) {
+    model.end_comparison();
     if let Some(mut dialog) = new_dialog(model) {
         dialog.choose(format);
         model.dialogs.open(dialog);
@@ -220,6 +277,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let exporting = &mut model.exporting;
     exporting.last = last;
+    exporting.kept = None;
     exporting.numbers += 1;
     let number = exporting.numbers;
     exporting.waiting.push_back(ExportOrder {

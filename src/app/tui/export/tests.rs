@@ -24,7 +24,7 @@ use crate::jobs::{Answer, Done, Lane, ShownTree, grow_shown, look, run_export};
 use crate::tui::command::Context;
 use crate::tui::commands;
 use crate::tui::dialog::Dialog;
-use crate::tui::layout::{Target, View};
+use crate::tui::layout::{Pane, Target, View};
 use crate::tui::model::{Config, Weight};
 use crate::tui::screen;
 use crate::tui::testing::key_event;
@@ -316,7 +316,8 @@ fn files_that_are_there_are_asked_about() {
 fn the_answer_is_of_the_moment_that_the_button_was_pressed() {
     let mut bench = ExportBench::new();
     bench.keys("e");
-    assert_eq!(bench.dialog().finding(&bench.at("older-c.glb")), Some(&crate::jobs::TargetFinding::Free));
+    let dialog = bench.dialog();
+    assert_eq!(dialog.finding(&dialog.formats[place_of("glb")]), Some(&crate::jobs::TargetFinding::Free));
     fs::write(bench.at("older-c.glb"), "meanwhile").unwrap();
     assert!(bench.keys("x").is_empty());
     assert_eq!(bench.dialog().start, StartState::Asking);
@@ -380,9 +381,11 @@ fn two_formats_cannot_go_to_one_file() {
     bench.keys("e");
     bench.go_to(ExportSpot::Format(place_of("ply")));
     bench.keys("space");
-    bench.go_to(ExportSpot::Target(place_of("ply")));
+    bench.go_to(ExportSpot::Format(place_of("ply-skeleton")));
+    bench.keys("space");
+    bench.go_to(ExportSpot::Target(place_of("ply-skeleton")));
     bench.keys("enter");
-    let taken = bench.at("older-c.glb");
+    let taken = bench.at("older-c.ply");
     bench.retype(&taken);
     bench.keys("enter");
     assert!(bench.keys("x").is_empty());
@@ -498,7 +501,7 @@ fn what_is_done_is_told_and_listed() {
     let text = bench.text(100, 30);
     assert!(text.contains("writing older-c.obj +1 ████░░░░░░ 42 %"), "{text}");
     bench.send(carried_out(order));
-    assert!(!bench.model.exporting.is_running() && status(&bench.model).is_empty());
+    assert!(!bench.model.exporting.is_running() && status(&bench.model, 50).is_empty());
     let (weight, text) = bench.said();
     assert_eq!(weight, Weight::Note);
     assert!(text.contains(&bench.at("older-c.obj")) && text.contains("and 4 more"), "{text}");
@@ -574,7 +577,7 @@ fn exports_wait_in_line_and_cancelling_lets_the_next_one_go() {
     let news = ExportNews::Failed { number: second.number, why: "full".into() };
     assert!(bench.send(Msg::Export(news)).is_empty());
     assert!(!bench.model.exporting.is_running());
-    assert_eq!(bench.said(), (Weight::Error, "the export failed, nothing was written: full"));
+    assert_eq!(bench.said(), (Weight::Error, "full; the export failed, nothing was written"));
 
     for _ in 0..=MOST_WAITING {
         bench.keys("e x");
@@ -777,4 +780,150 @@ fn knobs_are_turned_for_one_export_and_its_size_is_not_promised() {
     assert!(bench.text(100, 50).contains("●lods"));
     bench.keys("left");
     assert!(!bench.text(100, 50).contains('●'));
+}
+
+/// The place of an option of a format.
+fn option_of(format: &str, name: &str) -> ExportSpot {
+    let place = place_of(format);
+    let options = super::formats()[place].format().options;
+    ExportSpot::Option(place, options.iter().position(|spec| spec.knob.name == name).unwrap())
+}
+
+fn value_of(bench: &ExportBench, format: &str, name: &str) -> String {
+    let ExportSpot::Option(i, k) = option_of(format, name) else { panic!() };
+    bench.dialog().formats[i].option(k).unwrap().1.to_string()
+}
+
+#[test]
+fn a_picture_is_seen_as_on_screen_where_that_was_turned() {
+    let mut bench = ExportBench::new();
+    let shown = bench.model.tree.as_ref().unwrap().shown.clone().unwrap();
+    crate::tui::picture::first_look(&mut bench.model, &shown);
+    let seen = |bench: &ExportBench| {
+        ["yaw", "pitch", "zoom", "look", "color"].map(|name| value_of(bench, "png", name))
+    };
+    bench.keys("e");
+    assert_eq!(seen(&bench), ["auto", "8", "1", "surface", "wood"], "nothing was turned");
+    bench.keys("esc tab right up + c");
+    assert_eq!(bench.model.focus, Pane::Picture);
+    let camera = bench.model.picture.camera;
+    bench.keys("e");
+    let [yaw, pitch, zoom, look, color] = seen(&bench);
+    assert_eq!((yaw, pitch), (camera.yaw_deg.to_string(), camera.pitch_deg.to_string()));
+    assert_eq!((zoom.as_str(), look.as_str(), color.as_str()), ("1.2", "skeleton", "order"));
+    bench.go_to(ExportSpot::Format(place_of("png")));
+    bench.keys("space");
+    bench.go_to(option_of("png", "zoom"));
+    assert!(bench.text(100, 50).contains("as on screen"));
+    // What is typed counts, and what was only seen is not kept for next time.
+    bench.keys("enter");
+    bench.retype("3");
+    bench.keys("enter x");
+    let export = bench.model.exporting.to_session();
+    assert_eq!(export.options, [("png.zoom".to_owned(), "3".to_owned())]);
+}
+
+#[test]
+fn what_was_set_is_there_again_when_the_dialog_opens_on_the_same_tree() {
+    let mut bench = ExportBench::new();
+    let before = bench.model.exporting.to_session();
+    bench.keys("e");
+    let (glb, obj) = (place_of("glb"), place_of("obj"));
+    bench.go_to(ExportSpot::Format(obj));
+    bench.keys("space");
+    let target = bench.at("other name.obj");
+    bench.go_to(ExportSpot::Target(obj));
+    bench.keys("enter");
+    bench.retype(&target);
+    bench.keys("enter");
+    bench.go_to(ExportSpot::Knob(0));
+    bench.keys("enter");
+    bench.retype("1234");
+    bench.keys("enter esc e");
+    let dialog = bench.dialog();
+    assert!(dialog.formats[obj].chosen && dialog.formats[glb].chosen);
+    assert_eq!(dialog.formats[obj].target, target);
+    let turned: Vec<_> = dialog.knobs.as_ref().unwrap().turned().collect();
+    assert_eq!(turned, [("triangles", "1234".to_owned())]);
+    assert_eq!(bench.model.exporting.to_session(), before, "only an export is remembered beyond that");
+    bench.keys("ctrl-c");
+    bench.model.tree.as_mut().unwrap().place = TreePlace::Builtin("fir");
+    bench.keys("e");
+    assert!(!bench.dialog().formats[obj].chosen, "another tree has none of it");
+}
+
+#[test]
+fn seasons_are_written_again_after_a_question() {
+    let mut bench = ExportBench::new();
+    let preset = linden::preset::builtin("silver-birch").unwrap().load().unwrap();
+    bench.model.tree = Some(Tree::new(TreePlace::Builtin("silver-birch"), Recipe::new(preset)));
+    let begin = |bench: &mut ExportBench| {
+        bench.keys("e");
+        bench.go_to(ExportSpot::Format(place_of("glb")));
+        bench.keys("space");
+        bench.go_to(ExportSpot::Format(place_of("obj")));
+        bench.keys("space");
+        bench.go_to(ExportSpot::Seasons);
+        bench.keys("enter");
+        bench.retype("summer,autumn");
+        bench.keys("enter")
+    };
+    begin(&mut bench);
+    let names = ["silver-birch_summer.obj", "silver-birch_autumn.obj"].map(|name| bench.at(name));
+    for name in &names {
+        fs::write(name, "before").unwrap();
+    }
+    assert!(bench.keys("x").is_empty());
+    assert_eq!(bench.dialog().start, StartState::Asking);
+    let text = bench.text(100, 40);
+    assert!(text.contains("silver-birch_summer.obj, ") && text.contains("Replace these files?"), "{text}");
+    let order = ExportBench::order(bench.keys("y"));
+    assert_eq!(order.replaces, names.each_ref().map(|name| Path::new(name)));
+}
+
+#[test]
+fn a_missing_directory_is_what_is_asked_about() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    bench.go_to(ExportSpot::Target(place_of("glb")));
+    bench.keys("enter");
+    let target = bench.at("new/fir.glb");
+    bench.retype(&target);
+    bench.keys("enter x");
+    let text = bench.text(100, 30);
+    assert!(text.contains("Make the directory?") && text.contains("would be made"), "{text}");
+    assert!(!text.contains("there already"), "{text}");
+}
+
+#[test]
+fn while_growth_is_paused_the_dialog_says_what_files_have() {
+    let mut bench = ExportBench::new();
+    bench.model.growth.step = Some(1);
+    bench.keys("e");
+    let text = bench.text(100, 30);
+    assert!(text.contains("of the grown tree, not derivation 1 of 2: age=0.5 makes that one"), "{text}");
+    bench.keys("esc y");
+    assert!(
+        bench.said().1.starts_with("copied, of the grown tree, not derivation 1 of 2"),
+        "{:?}",
+        bench.said()
+    );
+}
+
+#[test]
+fn a_list_that_is_longer_than_its_room_says_where_it_is() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    assert!(bench.text(100, 24).contains('┃'));
+    assert!(!bench.text(100, 80).contains('┃'));
+}
+
+#[test]
+fn the_footer_has_the_progress_whole() {
+    let mut bench = ExportBench::new();
+    bench.keys("e x");
+    bench.send(Msg::Export(ExportNews::Progress { doing: Phase::Write, done: 420 }));
+    for columns in [60, 80, 100] {
+        assert!(bench.text(columns, 24).contains("42 %"), "{columns}");
+    }
 }

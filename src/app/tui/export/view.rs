@@ -1,5 +1,7 @@
 //! The export dialog: keys, the mouse, how it is painted; and what the footer says of the export under way.
 
+use std::path::PathBuf;
+
 use crossterm::event::{KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use linden::knob::{Kind, Value};
 use linden_exporters::Estimate;
@@ -13,13 +15,15 @@ use unicode_width::UnicodeWidthStr;
 use super::current;
 use super::dialog::{self, ExportDialog, ExportSpot, FormatChoice, StartState};
 use crate::jobs::{TargetFinding, WHOLE};
-use crate::tui::chrome::popup::popup;
+use crate::paths::expand;
+use crate::tui::chrome::popup::{popup, scrollbar};
 use crate::tui::chrome::prompt;
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::figures::{length, thousands};
 use crate::tui::forest::ForestOnScreen;
+use crate::tui::growth;
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::Model;
 use crate::wrap::clipped;
@@ -49,23 +53,30 @@ const SEASONS_HOW: &str = "summer,autumn or spring=0.05,winter or all; empty: as
 /// What the switch is for.
 const SCENE: &str = "with a camera that frames it, sun, sky and ground, in formats that hold them";
 
-/// What the footer says of the export under way.
-pub fn status(model: &Model) -> Vec<Span<'static>> {
+/// What the footer says of the export under way, in so many columns: where they are few, without the bar.
+pub fn status(model: &Model, room: u16) -> Vec<Span<'static>> {
     let Some(running) = &model.exporting.running else { return Vec::new() };
     let theme = &model.config.theme;
     let full = (running.done * BAR / WHOLE) as usize;
     let doing = running.doing.map_or("exporting", |stage| stage.words().0);
-    let mut spans = vec![
-        Span::styled(format!(" {doing} "), theme.busy),
-        Span::styled(clipped(&running.name, SHORT), theme.text),
-        Span::raw(" "),
-        Span::styled("█".repeat(full), theme.gauge),
-        Span::styled("░".repeat(BAR as usize - full), theme.gauge_track),
-        Span::styled(format!(" {} % ", running.done * 100 / WHOLE), theme.text),
-    ];
-    if !model.exporting.waiting.is_empty() {
-        spans.push(Span::styled(format!("+{} ", model.exporting.waiting.len()), theme.dim));
+    let percent = format!(" {} % ", running.done * 100 / WHOLE);
+    let waiting = match model.exporting.waiting.len() {
+        0 => String::new(),
+        waiting => format!("+{waiting} "),
+    };
+    let words = doing.width() + 2 + percent.width() + waiting.width();
+    let left = usize::from(room).saturating_sub(words);
+    let name = clipped(&running.name, SHORT.min(left));
+    let has_bar = left > name.width() + BAR as usize;
+    let mut spans = vec![Span::styled(format!(" {doing} "), theme.busy), Span::styled(name, theme.text)];
+    if has_bar {
+        spans.extend([
+            Span::raw(" "),
+            Span::styled("█".repeat(full), theme.gauge),
+            Span::styled("░".repeat(BAR as usize - full), theme.gauge_track),
+        ]);
     }
+    spans.extend([Span::styled(percent, theme.text), Span::styled(waiting, theme.dim)]);
     spans
 }
 
@@ -75,7 +86,7 @@ impl Dialog<Model> for ExportDialog {
     }
 
     fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
-        paint(model, self, model.popup_body(), buffer, view);
+        paint(model, self, model.tall_popup_body(), buffer, view);
     }
 
     fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
@@ -93,6 +104,11 @@ impl Dialog<Model> for ExportDialog {
             self.click_row(model, row);
         }
         After::Stays
+    }
+
+    /// What was set is there again when it opens on the same.
+    fn cancel(&mut self, model: &mut Model, _effects: &mut Effects) {
+        model.exporting.kept = model.place().cloned().map(|place| self.kept(place));
     }
 
     /// The wheel moves the cursor.
@@ -131,13 +147,13 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         match &model.forest {
             Some(forest) => forest_row(model, forest, row, buffer),
             None if dialog.is_another_tree() => {
-                let text = clipped(
-                    " another tree than on screen: its size is known when it is written",
-                    row.width.into(),
-                );
-                buffer.set_stringn(row.x, row.y, text, row.width.into(), model.config.theme.popup_dim);
+                let text = "another tree than on screen: its size is known when it is written";
+                heading_text(text, row, model.config.theme.popup_dim, buffer);
             }
-            None => heading_row(model, shown.is_some(), estimate, row, buffer),
+            None => match growth::warning(model) {
+                Some(warning) => heading_text(&warning, row, model.config.theme.warning, buffer),
+                None => heading_row(model, shown.is_some(), estimate, row, buffer),
+            },
         }
     }
     let list = Rect { y: area.y + heading, height: area.height - heading - about, ..area };
@@ -148,6 +164,9 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         view.regions.push((row, Target::Dialog(Some(i))));
         let painter = RowPainter { model, dialog, estimate, chosen: i == at, area: row };
         painter.paint(*spot, buffer, view);
+    }
+    if outer != area && spots.len() > list.height.into() {
+        scrollbar(model, Rect { x: list.right(), width: 1, ..list }, first, spots.len(), buffer);
     }
     if about > 0 {
         explain(model, dialog, Rect { y: list.bottom(), height: about, ..area }, buffer);
@@ -163,8 +182,12 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
             format!("about {} vertices, {} triangles", count(estimate.vertices), count(estimate.triangles))
         }
     };
+    heading_text(&text, area, model.config.theme.popup_dim, buffer);
+}
+
+fn heading_text(text: &str, area: Rect, style: Style, buffer: &mut Buffer) {
     let text = clipped(&format!(" {text}"), area.width.into());
-    buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
+    buffer.set_stringn(area.x, area.y, text, area.width.into(), style);
 }
 
 /// How many trees there will be; what that comes to is known when it is written.
@@ -172,13 +195,12 @@ fn forest_row(model: &Model, forest: &ForestOnScreen, area: Rect, buffer: &mut B
     let most = forest.wanted().layout.triangles;
     let text = match &forest.shown {
         Some(shown) if most > 0 => {
-            format!(" {} trees, up to {} triangles each", thousands(shown.trees), thousands(most))
+            format!("{} trees, up to {} triangles each", thousands(shown.trees), thousands(most))
         }
-        Some(shown) => format!(" {} trees", thousands(shown.trees)),
-        None => " the forest is still growing".to_owned(),
+        Some(shown) => format!("{} trees", thousands(shown.trees)),
+        None => "the forest is still growing".to_owned(),
     };
-    let text = clipped(&text, area.width.into());
-    buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
+    heading_text(&text, area, model.config.theme.popup_dim, buffer);
 }
 
 /// An estimated number, to two digits: the others would promise too much.
@@ -204,7 +226,7 @@ impl RowPainter<'_> {
         buffer.set_style(self.area, base);
         match spot {
             ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
-            ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
+            ExportSpot::Option(i, k) => self.option(i, k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
             ExportSpot::Knob(row) => self.knob(row, base, buffer, view),
             ExportSpot::Seasons => self.seasons(base, buffer, view),
@@ -265,8 +287,8 @@ impl RowPainter<'_> {
         self.text(x, end, about, if self.chosen { base } else { theme.popup_dim }, buffer);
     }
 
-    fn option(&self, choice: &FormatChoice, index: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
-        let Some((spec, value)) = choice.option(index) else { return };
+    fn option(&self, format: usize, index: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let Some((spec, value)) = self.dialog.formats[format].option(index) else { return };
         let theme = &self.model.config.theme;
         let end = self.area.right();
         let x = self.area.x + 1 + INDENT;
@@ -285,7 +307,8 @@ impl RowPainter<'_> {
             _ => format!("{value} {}", spec.knob.unit),
         };
         let x = self.text(x, end, &text, base.patch(theme.value), buffer);
-        self.about(x + 2, spec.knob.help, base, buffer);
+        let help = if self.dialog.is_as_on_screen(format, index) { "as on screen" } else { spec.knob.help };
+        self.about(x + 2, help, base, buffer);
     }
 
     /// What an option does, where there is room to say it.
@@ -348,8 +371,11 @@ impl RowPainter<'_> {
         if self.line(x, buffer, view) {
             return;
         }
-        let (told, style) = match self.dialog.finding(&choice.target) {
-            Some(TargetFinding::Replaces) => ("replaces a file".to_owned(), theme.warning),
+        let (told, style) = match self.dialog.finding(choice) {
+            Some(TargetFinding::Replaces(files)) => match files.len() {
+                1 => ("replaces a file".to_owned(), theme.warning),
+                files => (format!("replaces {files} files"), theme.warning),
+            },
             Some(TargetFinding::NewFolder) => ("in a new directory".to_owned(), theme.warning),
             Some(TargetFinding::Unfit(why)) => (format!("! {why}"), theme.error),
             Some(TargetFinding::Free) | None => (String::new(), base),
@@ -445,6 +471,11 @@ fn explain(model: &Model, dialog: &ExportDialog, area: Rect, buffer: &mut Buffer
     Paragraph::new(vec![rule, text]).wrap(Wrap { trim: true }).render(area, buffer);
 }
 
+/// The names of files.
+fn listed(files: &[PathBuf]) -> String {
+    files.iter().map(|path| crate::paths::show(path)).collect::<Vec<_>>().join(", ")
+}
+
 fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
     let theme = &model.config.theme;
     if let Some(line) = &dialog.line {
@@ -460,28 +491,35 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
             return (line.offers.iter().map(name).collect::<Vec<_>>().join("  "), theme.popup);
         }
     }
-    let told = |target: &str| match dialog.finding(target) {
+    let told = |choice: &FormatChoice, target: &str| match dialog.finding_at(choice, target) {
         Some(TargetFinding::Unfit(why)) => Some((why.clone(), theme.error)),
         Some(TargetFinding::NewFolder) => {
             Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
         }
-        Some(TargetFinding::Replaces) => {
-            Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
-        }
+        Some(TargetFinding::Replaces(files)) => match files.as_slice() {
+            [file] if file.as_path() == expand(target.trim(), std::env::home_dir().as_deref()) => {
+                Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
+            }
+            files => Some((format!("would be replaced: {}", listed(files)), theme.warning)),
+        },
         Some(TargetFinding::Free) | None => None,
     };
     let typed = dialog.line.as_ref().map(|line| line.input.value());
     match dialog.cursor {
         ExportSpot::Format(i) => (dialog.formats[i].exporter.format().help.to_owned(), theme.popup),
         ExportSpot::Option(i, k) => match dialog.formats[i].option(k) {
+            Some((spec, _)) if dialog.is_as_on_screen(i, k) => {
+                (format!("as on screen: {} ({})", spec.knob.help, spec.knob.kind), theme.popup)
+            }
             Some((spec, _)) => (format!("{} ({})", spec.knob.help, spec.knob.kind), theme.popup),
             None => (String::new(), theme.popup),
         },
-        ExportSpot::Target(i) => told(typed.unwrap_or(&dialog.formats[i].target)).unwrap_or_else(|| {
-            let words =
-                "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
-            (words.to_owned(), theme.popup_dim)
-        }),
+        ExportSpot::Target(i) => told(&dialog.formats[i], typed.unwrap_or(&dialog.formats[i].target))
+            .unwrap_or_else(|| {
+                let words =
+                    "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
+                (words.to_owned(), theme.popup_dim)
+            }),
         ExportSpot::Knob(row) => match dialog.knobs.as_ref().and_then(|knobs| knobs.row(row)) {
             Some((knob, ..)) => {
                 let text = format!("of this export alone: {} ({})", knob.knob.help, knob.knob.kind);
@@ -493,9 +531,14 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
         ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
         ExportSpot::Start => match dialog.start {
             StartState::Asking => {
-                let files: Vec<_> =
-                    dialog.replaced().iter().map(|path| path.to_string_lossy().into_owned()).collect();
-                (format!("there already: {}", files.join(", ")), theme.warning)
+                let files = dialog.replaced();
+                let folders = "a directory does not exist yet, and would be made";
+                let text = match (files.is_empty(), dialog.makes_folders()) {
+                    (true, _) => folders.to_owned(),
+                    (false, false) => format!("there already: {}", listed(&files)),
+                    (false, true) => format!("there already: {}; {folders}", listed(&files)),
+                };
+                (text, theme.warning)
             }
             _ => match dialog.unfit() {
                 Some((_, why)) => (why, theme.error),

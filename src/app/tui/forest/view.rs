@@ -54,8 +54,11 @@ pub fn view(model: &Model, forest: &ForestOnScreen, area: Rect, buffer: &mut Buf
         buffer.set_stringn(place.x + 1, at_y, name, name_width.into(), base);
         let x = place.x + 2 + name_width;
         let field = Rect { x, width: place.right().saturating_sub(x), ..place };
-        match model.dialogs.top::<ValueLine>().filter(|_| is_chosen) {
-            Some(line) => line.prompt.paint(field, buffer, view, theme),
+        match model.dialogs.top::<ValueLine>().filter(|line| line.knob == row.knob.name) {
+            Some(line) => {
+                view.regions.push((place, Target::Dialog(None)));
+                line.prompt.paint(field, buffer, view, theme);
+            }
             None => {
                 let text = with_unit(value, row.knob.unit);
                 let text = clipped(&text, field.width.into());

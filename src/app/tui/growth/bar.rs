@@ -4,21 +4,23 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
-use super::{last_step, regrown, shown};
+use super::{last_step, shown, younger};
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
 
 /// Paints the bar into a row; nothing while the grown tree is on screen.
 pub fn view(model: &Model, row: Rect, buffer: &mut Buffer, view: &mut View) {
-    let (Some(step), Some(tree)) = (model.growth.step(), shown(model)) else { return };
+    let (Some(step), Some(tree), Some((on_screen, _))) = (model.growth.step(), shown(model), younger(model))
+    else {
+        return;
+    };
     if row.is_empty() {
         return;
     }
     let theme = &model.config.theme;
     let last = last_step(tree);
     let mark = if model.growth.is_playing() { "▶" } else { "⏸" };
-    let unit = regrown(tree).map_or("iteration", |steps| steps.unit);
-    let text = format!(" {mark} {unit} {step} of {last} ");
+    let text = format!(" {mark} {on_screen} ");
     let width = text.width() as u16;
     if width > row.width {
         return;

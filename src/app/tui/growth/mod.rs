@@ -9,6 +9,7 @@ mod commands;
 use std::time::Duration;
 
 pub use commands::COMMANDS;
+use linden::preset::Preset;
 use linden::skeleton::generator::Steps;
 
 use super::model::Model;
@@ -23,6 +24,30 @@ const LONGEST: Duration = Duration::from_millis(900);
 /// The tree whose growth is played.
 fn shown(model: &Model) -> Option<&ShownTree> {
     model.tree.as_ref()?.shown.as_deref()
+}
+
+/// What is on screen while growth is played or paused, `year 3 of 24`, with the setting that makes a tree of it where
+/// there is one; `None` for the grown tree.
+pub fn younger(model: &Model) -> Option<(String, Option<String>)> {
+    let (step, tree) = (model.growth.step()?, shown(model)?);
+    let unit = regrown(tree).map_or("iteration", |steps| steps.unit);
+    let preset = &tree.recipe.preset;
+    let made_by = preset.generator.at_step(step).and_then(|generator| {
+        let mut young: Preset = preset.clone();
+        young.generator = generator;
+        let mut turned = young.knobs().into_iter().filter(|(knob, _)| preset.differs(knob, &young));
+        turned.next().map(|(knob, value)| format!("{}={value}", knob.knob.name))
+    });
+    Some((format!("{unit} {step} of {}", last_step(tree)), made_by))
+}
+
+/// That files have the grown tree, while a younger one is on screen.
+pub fn warning(model: &Model) -> Option<String> {
+    let (on_screen, made_by) = younger(model)?;
+    Some(match made_by {
+        Some(made_by) => format!("of the grown tree, not {on_screen}: {made_by} makes that one"),
+        None => format!("of the grown tree, not {on_screen}"),
+    })
 }
 
 /// The steps to which the tree is grown again; without, steps are iterations.

@@ -21,9 +21,9 @@ pub struct FilterLine {
 }
 
 impl FilterLine {
-    /// Goes on with the filter that is set.
+    /// With the filter that is set, which the first character typed replaces.
     pub fn new(filter: &str) -> Self {
-        Self { prompt: Prompt::new(filter), before: filter.to_owned() }
+        Self { prompt: Prompt::selected(filter), before: filter.to_owned() }
     }
 }
 
@@ -58,5 +58,9 @@ impl Dialog<Model> for FilterLine {
 
     fn cancel(&mut self, model: &mut Model, effects: &mut Effects) {
         set_filter(model, &self.before, effects);
+    }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
     }
 }

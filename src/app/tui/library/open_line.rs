@@ -15,7 +15,7 @@ use crate::tui::chrome::prompt::{self, Prompt};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::{Effect, Effects};
-use crate::tui::layout::{View, first_row};
+use crate::tui::layout::{Pane, View, first_row};
 use crate::tui::model::Model;
 use crate::tui::tree::TreePlace;
 use crate::wrap::clipped;
@@ -62,6 +62,8 @@ impl OpenLine {
         Inquiry {
             round: 0,
             targets: Vec::new(),
+            levels: 1,
+            seasons: Vec::new(),
             completes: Some(typed.to_owned()),
             shown: None,
             sources: Vec::new(),
@@ -140,7 +142,9 @@ impl Dialog<Model> for OpenLine {
         self.prompt.paint_at_bottom(model, "open", remark.as_ref(), screen, buffer, view);
         let rows = (self.offers.len() as u16).min(MOST_ROWS).min(screen.height.saturating_sub(2));
         let longest = self.offers.iter().map(|offer| name_of(offer).chars().count()).max().unwrap_or(0);
-        let width = (longest as u16 + 3).clamp(16, 48).min(screen.width);
+        // All of the pane that it lies on, no half of whose rows is left.
+        let pane = model.layout().pane(Pane::Presets).map_or(0, |pane| pane.width);
+        let width = (longest as u16 + 3).clamp(16, 48).max(pane).min(screen.width);
         let list = Rect::new(screen.x, screen.bottom().saturating_sub(1 + rows), width, rows);
         Clear.render(list, buffer);
         let first = first_row(self.at.unwrap_or(0), self.offers.len(), rows.into());
@@ -197,6 +201,12 @@ impl Dialog<Model> for OpenLine {
         {
             show_selected(model, effects);
         }
+    }
+
+    /// Enter alone opens.
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.cancel(model, effects);
+        After::Closes
     }
 }
 

@@ -100,4 +100,8 @@ impl Dialog<Model> for TagLine {
             }
         }
     }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
+    }
 }

@@ -8,6 +8,7 @@ use linden::monitor::Phase;
 
 use crate::config::session::{self, Session};
 use crate::jobs::ExportOrder;
+use crate::tui::tree::TreePlace;
 
 /// Within this a second key leaves for good.
 const LEAVING: Duration = Duration::from_secs(8);
@@ -17,6 +18,8 @@ const LEAVING: Duration = Duration::from_secs(8);
 pub struct Exporting {
     /// What was chosen last.
     pub last: session::ExportChoices,
+    /// What was set in the dialog when it was closed without an export.
+    pub kept: Option<KeptExport>,
     /// The one under way.
     pub running: Option<RunningExport>,
     /// Those that wait, the next one first.
@@ -26,6 +29,17 @@ pub struct Exporting {
     /// Numbers that were given to orders.
     pub numbers: u64,
     leave_asked: Option<Instant>,
+}
+
+/// What was set in the dialog.
+#[derive(Clone, Debug)]
+pub struct KeptExport {
+    /// What was on screen.
+    pub place: TreePlace,
+    /// Formats, options, and where they go.
+    pub choices: session::ExportChoices,
+    /// Knobs that were turned for this export.
+    pub knobs: Vec<(&'static str, String)>,
 }
 
 /// The export under way.

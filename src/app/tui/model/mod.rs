@@ -21,7 +21,7 @@ use linden_terminal::probe::{Capabilities, Graphics};
 use ratatui::layout::Rect;
 
 pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
-pub use exporting::{ExportReport, Exporting, RunningExport};
+pub use exporting::{ExportReport, Exporting, KeptExport, RunningExport};
 pub use filter::{has_tags, split_tags};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
@@ -183,15 +183,24 @@ impl Model {
     /// Where dialogs of text lie. A picture of characters costs a slow line kilobytes when a dialog that covered it
     /// goes: there they lie over the list or the form, whichever is wider, and the picture stays.
     pub fn popup_body(&self) -> Rect {
-        let body = self.dialog_body();
+        let pane = self.popup_pane();
+        pane.map_or(self.dialog_body(), |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
+    }
+
+    /// The same for a dialog of many rows that are gone through for a while.
+    pub fn tall_popup_body(&self) -> Rect {
+        self.popup_pane().unwrap_or_else(|| self.dialog_body())
+    }
+
+    /// The pane that dialogs of text lie over, where the picture is to stay.
+    fn popup_pane(&self) -> Option<Rect> {
         if !self.terminal.remote.value || self.terminal.graphics.value != Graphics::Cells {
-            return body;
+            return None;
         }
         let layout = self.layout();
         let beside = [Pane::Shape, Pane::Presets].into_iter().map(|pane| layout.panes[pane as usize]);
         let has_room = |area: &Rect| area.width >= LEAST_POPUP.0 && area.height >= LEAST_POPUP.1;
-        let widest = beside.filter(has_room).max_by_key(|area| area.width);
-        widest.map_or(body, |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
+        beside.filter(has_room).max_by_key(|area| area.width)
     }
 
     /// Where keys are listened to: the topmost dialog, or the focused pane.
@@ -303,6 +312,12 @@ impl Model {
 }
 
 impl Model {
+    /// Ends the comparison with the document: what is written, saved or copied is the tree with its changes, and that
+    /// is to be on screen. Whether there was one.
+    pub fn end_comparison(&mut self) -> bool {
+        self.tree.as_mut().is_some_and(|tree| std::mem::take(&mut tree.compares))
+    }
+
     /// Where what is on screen comes from.
     pub fn place(&self) -> Option<&TreePlace> {
         let forest = self.forest.as_ref().map(|forest| &forest.place);

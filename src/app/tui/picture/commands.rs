@@ -42,9 +42,10 @@ fn has_no_points(model: &Model) -> Option<String> {
     let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
     match shown.map(|shown| shown.grown.colonized.is_some()) {
         Some(true) => None,
-        Some(false) => {
-            Some("this tree grows by rewriting; it has no attraction points and no crown".to_owned())
-        }
+        Some(false) => Some(
+            "this tree does not grow by space colonization; it has no attraction points and no crown"
+                .to_owned(),
+        ),
         None => without_tree(model),
     }
 }

@@ -16,12 +16,20 @@ use crate::jobs::{HowFar, Painted};
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, Target, View};
 use crate::tui::model::Model;
-use crate::wrap::clipped;
+use crate::tui::screen::NOT_GROWN;
+use crate::wrap::{clipped, wrapped_within};
 
 /// What the pane's heading says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     let picture = &model.picture;
+    let fault = model.tree.as_ref().map(|tree| (tree.shown.is_some(), tree.fault.is_some()));
+    let fault =
+        fault.or(model.forest.as_ref().map(|forest| (forest.shown.is_some(), forest.fault.is_some())));
+    if fault == Some((true, true)) {
+        // The picture is that of before.
+        return vec![Span::styled(format!("{NOT_GROWN} "), theme.error)];
+    }
     let mut words = Vec::new();
     if picture.is_look_chosen {
         words.push(picture.look.name());
@@ -127,7 +135,11 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         return;
     }
     if let Some(fault) = fault.as_ref().filter(|_| !has_grown) {
-        say(buffer, area.y + area.height / 2, fault, theme.error);
+        let lines = wrapped_within(fault, area.width.into(), area.height.into());
+        let top = area.y + (area.height - lines.len() as u16) / 2;
+        for (line, y) in lines.iter().zip(top..) {
+            say(buffer, y, line, theme.error);
+        }
     } else if let Some(growing) = growing {
         say(buffer, area.y, &words(growing), theme.busy);
     } else if !has_grown && standing(model).is_none() {

@@ -5,6 +5,7 @@ use super::nudge::Nudge;
 use super::save_lines::SaveLine;
 use super::{
     grammar, kinds, nudge, only_turned, open, save, selected, selected_edit, selected_rule, step, turn,
+    unturnable,
 };
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
@@ -41,12 +42,8 @@ fn has_no_grammar(model: &Model) -> Option<String> {
     // What is being read will take this tree's place, and with it what is typed.
     let reading = || model.loading.is_some().then(|| "another preset is being read".to_owned());
     let id = || model.tree.as_ref().map(|tree| linden::knob::excerpt(&tree.preset().id)).unwrap_or_default();
-    unless(
-        model,
-        |tree| tree.grammar().is_some(),
-        &format!("'{}' grows by colonization; it has no grammar", id()),
-    )
-    .or_else(reading)
+    unless(model, |tree| tree.grammar().is_some(), &format!("'{}' grows without a grammar", id()))
+        .or_else(reading)
 }
 
 /// The file that `$EDITOR` opens when there is no grammar to edit.
@@ -89,7 +86,8 @@ const fn nudging(
     hint: Option<u8>,
     run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::SHAPE, keys, title, help, hint, hindrance: without_form, run }
+    let hindrance = |model: &Model| without_form(model).or_else(|| unturnable(model));
+    Command { id, context: Context::SHAPE, keys, title, help, hint, hindrance, run }
 }
 
 /// The rows.
@@ -391,7 +389,9 @@ pub const COMMANDS: &[Command] = &[
             })
         },
         run: |model, _| {
-            let line = SaveLine::new(&save::proposed(model));
+            model.end_comparison();
+            let Some(tree) = &model.tree else { return };
+            let line = SaveLine::new(tree, &save::proposed(model));
             model.dialogs.open(line);
         },
     },

@@ -1,6 +1,6 @@
 //! A knob's name, typed: the cursor goes to the best match at once.
 
-use crossterm::event::KeyEvent;
+use crossterm::event::{KeyCode, KeyEvent};
 use linden::preset::Section;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -13,22 +13,27 @@ use crate::tui::effect::Effects;
 use crate::tui::layout::View;
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::ranking::Ranking;
+use crate::tui::tree::Tree;
 
 /// The line of a knob's name.
 pub struct FindLine {
     prompt: Prompt,
     /// Where the cursor was, for Esc.
     before: Option<FormSpot>,
+    /// Which of the knobs that match it is on, the best being 0.
+    at: usize,
 }
 
 impl FindLine {
     /// From where the cursor is.
     pub fn new(model: &Model) -> Self {
-        Self { prompt: Prompt::new(""), before: model.form.selected }
+        Self { prompt: Prompt::new(""), before: model.form.selected, at: 0 }
     }
 
     fn follow(&mut self, model: &mut Model) {
-        let found = best(model, self.prompt.text());
+        let all = matching(model, self.prompt.text());
+        self.at = self.at.min(all.len().saturating_sub(1));
+        let found = all.get(self.at).copied();
         let is_typed = !self.prompt.text().trim().is_empty();
         self.prompt.problem = (is_typed && found.is_none()).then(|| "no knob matches".to_owned());
         // What is looked for may be one that was not changed.
@@ -37,9 +42,9 @@ impl FindLine {
     }
 }
 
-/// The knob that matches best by its name, or by that of its group.
-fn best(model: &Model, typed: &str) -> Option<FormSpot> {
-    let preset = model.tree.as_ref()?.preset();
+/// The knobs that match by their names, or by those of their groups; the best first.
+fn matching(model: &Model, typed: &str) -> Vec<FormSpot> {
+    let Some(preset) = model.tree.as_ref().map(Tree::preset) else { return Vec::new() };
     let (rows, labels) = (rows(preset), preset.kind_labels());
     let mut ranking = Ranking::of(typed);
     let score = |row: &FormRow| {
@@ -50,12 +55,13 @@ fn best(model: &Model, typed: &str) -> Option<FormSpot> {
             section => section.title(),
         };
         let group = ranking.score(&format!("{section} {}", knob.short_name()));
-        Some((name.into_iter().chain(group).max()?, knob.knob.name))
+        let closeness = ranking.closeness(knob.knob.name).max(ranking.closeness(knob.short_name()));
+        Some(((closeness, name.into_iter().chain(group).max()?), knob.knob.name))
     };
     // The first of equals.
     let mut found: Vec<_> = rows.iter().filter_map(score).collect();
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
-    found.first().map(|(_, name)| FormSpot::Knob(name))
+    found.into_iter().map(|(_, name)| FormSpot::Knob(name)).collect()
 }
 
 impl Dialog<Model> for FindLine {
@@ -72,20 +78,34 @@ impl Dialog<Model> for FindLine {
         self.prompt.paint_at_bottom(model, "knob", remark.as_ref(), screen, buffer, view);
     }
 
+    /// Down and Up go through all that match.
     fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
-        if self.prompt.key(key) {
-            self.follow(model);
+        match key.code {
+            KeyCode::Down | KeyCode::Up => {
+                self.at = self.at.saturating_add_signed(if key.code == KeyCode::Down { 1 } else { -1 });
+                self.follow(model);
+            }
+            _ if self.prompt.key(key) => {
+                self.at = 0;
+                self.follow(model);
+            }
+            _ => {}
         }
         After::Stays
     }
 
     fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
         self.prompt.paste(text);
+        self.at = 0;
         self.follow(model);
         After::Stays
     }
 
     fn cancel(&mut self, model: &mut Model, _effects: &mut Effects) {
         model.form.selected = self.before;
+    }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
     }
 }

@@ -167,4 +167,8 @@ impl Dialog<Model> for KindLine {
             None => After::Closes,
         }
     }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
+    }
 }

@@ -205,34 +205,44 @@ fn step(model: &mut Model, by: isize) {
 
 /// Nudges the selected knob.
 fn nudge(model: &mut Model, up: bool, how: Nudge) {
+    match nudge_to(model, up, how) {
+        Ok((name, text)) => turn(model, name, &text),
+        Err(why) => model.say(why),
+    }
+}
+
+/// Why the selected row cannot be nudged, but is typed; `None` where it can be.
+fn unturnable(model: &Model) -> Option<String> {
+    nudge_to(model, true, Nudge::Usual).err()
+}
+
+/// What nudging the selected knob turns it to, or how it is changed instead.
+fn nudge_to(model: &Model, up: bool, how: Nudge) -> Result<(&'static str, String), String> {
     if let Some((knob, value)) = forest::selected(model) {
-        return match nudged(&knob.kind, &value, up, how) {
-            Some(text) => turn(model, knob.name, &text),
-            None => model.say(format!("{} is typed: press Enter ({})", knob.name, knob.kind)),
-        };
+        let text = nudged(&knob.kind, &value, up, how);
+        let typed = || format!("{} is typed: press Enter ({})", knob.name, knob.kind);
+        return text.map(|text| (knob.name, text)).ok_or_else(typed);
     }
     let Some((row, value)) = selected(model) else {
         if kinds::selected_kind(model).is_some() {
-            return model.say("the name of a kind of foliage is typed: press Enter; its knobs stand below");
+            let why = "the name of a kind of foliage is typed: press Enter; its knobs stand below";
+            return Err(why.to_owned());
         }
         let what = if selected_edit(model).is_some() { "an edit" } else { "a line of the grammar" };
-        return model.say(format!("{what} is typed: press Enter"));
+        return Err(format!("{what} is typed: press Enter"));
     };
+    let name = row.knob.name;
     // What each seed draws stays drawn, about another middle.
     if let Some(spread) = model.tree.as_ref().and_then(|tree| tree.preset().spread(&row)) {
         let to = nudged(&row.knob.kind, &spread.middle(), up, how);
-        let to = to.and_then(|text| row.knob.kind.parse(&text).ok());
-        return match to.and_then(|to| spread.about(&to)) {
-            Some(moved) => turn(model, row.knob.name, &moved.to_string()),
-            None => model.say(format!("the spread of {} is typed: press Enter", row.knob.name)),
-        };
+        let moved = to.and_then(|text| row.knob.kind.parse(&text).ok()).and_then(|to| spread.about(&to));
+        let typed = || format!("the spread of {name} is typed: press Enter");
+        return moved.map(|moved| (name, moved.to_string())).ok_or_else(typed);
     }
     // What is left to linden is nudged from what linden has made of it.
     let now = model.tree.as_ref().and_then(|tree| resolved(tree, &row)).filter(|_| value == Value::Auto);
-    match nudged(&row.knob.kind, now.as_ref().unwrap_or(&value), up, how) {
-        Some(text) => turn(model, row.knob.name, &text),
-        None => model.say(format!("{} is typed: press Enter ({})", row.knob.name, row.knob.kind)),
-    }
+    let text = nudged(&row.knob.kind, now.as_ref().unwrap_or(&value), up, how);
+    text.map(|text| (name, text)).ok_or_else(|| format!("{name} is typed: press Enter ({})", row.knob.kind))
 }
 
 /// What a knob that stands at `auto` is on the tree on screen, where that can be seen.
@@ -369,19 +379,20 @@ pub fn wheel(model: &mut Model, mouse: MouseEvent) {
     }
 }
 
+/// What a row of the form is about, as it is on screen.
+pub fn spot_of_row(model: &Model, row: usize) -> Option<FormSpot> {
+    match &model.tree {
+        Some(tree) => listed(model, tree).get(row).and_then(FormRow::spot),
+        None => forest::spots().get(row).copied(),
+    }
+}
+
 /// The mouse on a row of the form: selects, and on a selected line of the grammar opens it; the wheel
 /// turns the knob with Ctrl, else moves on.
-pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut Effects) {
-    // As they are on screen.
-    let (clicked, chosen) = match &model.tree {
-        Some(tree) => {
-            let rows = listed(model, tree);
-            (rows.get(row).and_then(FormRow::spot), spot(model, &rows))
-        }
-        None => (
-            forest::spots().get(row).copied(),
-            forest::selected(model).map(|(knob, _)| FormSpot::Knob(knob.name)),
-        ),
+pub fn clicked(model: &mut Model, clicked: Option<FormSpot>, mouse: MouseEvent) {
+    let chosen = match &model.tree {
+        Some(tree) => spot(model, &listed(model, tree)),
+        None => forest::selected(model).map(|(knob, _)| FormSpot::Knob(knob.name)),
     };
     let Some(clicked) = clicked else { return wheel(model, mouse) };
     match mouse.kind {

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crossterm::event::KeyEvent;
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use linden::recipe::Recipe;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -13,11 +14,13 @@ use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::layout::View;
 use crate::tui::model::Model;
+use crate::tui::tree::{Tree, TreePlace};
 
 /// The line of the id.
 pub struct SaveLine {
     /// What is typed.
     pub prompt: Prompt,
+    what: Saving,
 }
 
 /// The line of the answer: yes or no.
@@ -25,12 +28,29 @@ struct ReplaceLine {
     prompt: Prompt,
     /// The preset in question.
     id: String,
+    what: Saving,
+}
+
+/// What is saved: the tree that the line was opened for, whatever is on screen when it is accepted.
+#[derive(Clone)]
+struct Saving {
+    from: TreePlace,
+    recipe: Arc<Recipe>,
+}
+
+impl Saving {
+    /// Asks for it to be saved.
+    fn order(&self, id: String, overwrite: bool, effects: &mut Effects) {
+        let Self { from, recipe } = self.clone();
+        effects.push(Effect::Save { id, from, recipe, overwrite });
+    }
 }
 
 impl SaveLine {
-    /// With an id to begin with.
-    pub fn new(id: &str) -> Self {
-        let mut line = Self { prompt: Prompt::new(id) };
+    /// For a tree, with an id to begin with.
+    pub fn new(tree: &Tree, id: &str) -> Self {
+        let what = Saving { from: tree.place.clone(), recipe: Arc::clone(tree.recipe()) };
+        let mut line = Self { prompt: Prompt::new(id), what };
         line.judge();
         line
     }
@@ -82,10 +102,16 @@ impl Dialog<Model> for SaveLine {
         }
         let id = self.id().to_owned();
         if save::replaces(model, &id) {
-            model.dialogs.open(ReplaceLine { prompt: Prompt::new(""), id });
+            model.dialogs.open(ReplaceLine { prompt: Prompt::new(""), id, what: self.what.clone() });
         } else {
-            order(model, id, false, effects);
+            self.what.order(id, false, effects);
         }
+        After::Closes
+    }
+
+    /// Enter alone saves.
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.cancel(model, effects);
         After::Closes
     }
 }
@@ -100,35 +126,32 @@ impl Dialog<Model> for ReplaceLine {
     }
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let label = format!("replace '{}'? yes or no", linden::knob::excerpt(&self.id));
+        let label = format!("replace '{}'? y or n", linden::knob::excerpt(&self.id));
         let remark = Remark { text: save::loss(model, &self.id).to_owned(), warns: true };
         self.prompt.paint_at_bottom(model, &label, Some(&remark), screen, buffer, view);
     }
 
-    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
-        self.prompt.key(key);
-        After::Stays
-    }
-
-    fn paste(&mut self, _model: &mut Model, text: &str, _effects: &mut Effects) -> After {
-        self.prompt.paste(text);
-        After::Stays
-    }
-
-    fn accept(&mut self, model: &mut Model, effects: &mut Effects) -> After {
-        if matches!(self.prompt.text().trim().to_lowercase().as_str(), "y" | "yes") {
-            order(model, self.id.clone(), true, effects);
-        } else {
-            model.say("not saved");
+    /// One letter answers.
+    fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
+        match key.code {
+            KeyCode::Char('y' | 'Y') if key.modifiers - KeyModifiers::SHIFT == KeyModifiers::NONE => {
+                self.what.order(self.id.clone(), true, effects);
+                After::Closes
+            }
+            KeyCode::Char(_) => self.accept(model, effects),
+            _ => After::Stays,
         }
+    }
+
+    /// Enter alone is no.
+    fn accept(&mut self, model: &mut Model, _effects: &mut Effects) -> After {
+        model.say("not saved");
         After::Closes
     }
-}
 
-/// Asks for the tree on screen to be saved.
-fn order(model: &Model, id: String, overwrite: bool, effects: &mut Effects) {
-    if let Some(tree) = &model.tree {
-        let recipe = Arc::clone(tree.recipe());
-        effects.push(Effect::Save { id, from: tree.place.clone(), recipe, overwrite });
+    /// Enter alone replaces.
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.cancel(model, effects);
+        After::Closes
     }
 }

@@ -59,13 +59,13 @@ fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
     bench.keys("s enter");
     let (buffer, _) = bench.paint(80, 24);
     let shown = text(&buffer);
-    assert!(shown.contains("replace 'heart-2'? yes or no") && shown.contains("comments stay"), "{shown}");
-    bench.typed("no\n");
+    assert!(shown.contains("replace 'heart-2'? y or n") && shown.contains("comments stay"), "{shown}");
+    bench.typed("n");
     assert!(bench.effects.iter().all(|effect| !matches!(effect, Effect::Save { .. })));
     // Its owner writes into it meanwhile: that stays.
     let mine = format!("# mine\n{}", written(&presets, "heart-2.toml"));
     std::fs::write(presets.join("heart-2.toml"), &mine).unwrap();
-    bench.keys("s enter").typed("yes\n");
+    bench.keys("s enter").typed("y");
     save(&mut bench, &presets);
     assert!(written(&presets, "heart-2.toml").starts_with("# mine\n"));
     let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
@@ -131,4 +131,20 @@ fn what_cannot_be_saved_whole_is_not_saved() {
     assert!(written(&presets, "mine.toml").contains("mine.obj"));
     assert_ne!(written(&presets, "mine.obj"), "v 0 0 0");
     assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);
+}
+
+#[test]
+fn what_is_saved_is_the_tree_that_the_line_was_opened_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bench = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
+    bench.on("points").keys("right");
+    let recipe = bench.tree().recipe().clone();
+    bench.keys("s ctrl-u").typed("mytree");
+    // Another tree comes on screen while the name is typed.
+    let other = crate::source::resolve(Path::new("older-c"), &[], &Quiet).unwrap();
+    bench.model.tree = Some(crate::tui::tree::Tree::new(TreePlace::Builtin("older-c"), other.recipe));
+    bench.keys("enter");
+    let Some(Effect::Save { id, from, recipe: saved, .. }) = bench.effects.pop() else { panic!() };
+    assert_eq!((id.as_str(), from), ("mytree", TreePlace::Builtin("fir")));
+    assert!(std::sync::Arc::ptr_eq(&saved, &recipe));
 }

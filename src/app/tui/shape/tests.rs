@@ -10,6 +10,7 @@ use ratatui::style::Modifier;
 use super::*;
 use crate::config::theme::Theme;
 use crate::tui::effect::Effect;
+use crate::tui::layout::Target;
 use crate::tui::testing::form::{FormBench, text};
 use crate::tui::testing::key_event;
 use crate::tui::update::Msg;
@@ -180,7 +181,7 @@ fn what_is_auto_is_nudged_from_what_it_is_now() {
     let grown = f64::from(bench.tree().shown.as_ref().unwrap().grown.skeleton.radii[0]);
     assert!((value / grown - 1.0).abs() < 0.06, "{value} {grown}");
     bench.on("trunk").keys("enter ctrl-u").typed("auto").keys("enter right");
-    assert!(bench.said().starts_with("trunk is typed"), "{}", bench.said());
+    assert!(bench.said().contains("trunk is typed"), "{}", bench.said());
 }
 
 #[test]
@@ -372,7 +373,7 @@ fn an_editor_of_ones_own_takes_the_text_and_loses_nothing() {
 fn colonized_trees_say_that_they_have_no_grammar() {
     let mut bench = FormBench::new("fir");
     bench.keys("x");
-    assert_eq!(bench.said(), "Edit grammar: 'fir' grows by colonization; it has no grammar");
+    assert_eq!(bench.said(), "Edit grammar: 'fir' grows without a grammar");
     bench.keys("E");
     assert_eq!(bench.said(), "Edit in $EDITOR: the preset is built in; save it as one of your own first");
     assert!(bench.effects.is_empty());
@@ -615,4 +616,129 @@ fn the_palette_turns_knobs_and_shows_presets() {
     let shown = bench.model.library.entry().map(|entry| entry.id.clone());
     assert_eq!(shown.as_deref(), Some("weeping-willow"));
     assert_eq!(bench.model.loading, Some(TreePlace::Builtin("weeping-willow")));
+}
+
+/// Presses the mouse on what means `wanted`.
+fn press_on(bench: &mut FormBench, wanted: Target) {
+    let (_, view) = bench.paint(120, 60);
+    let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
+    bench.press(area.x + 1, area.y);
+}
+
+/// The row of a knob.
+fn row_of(bench: &FormBench, name: &str) -> Target {
+    let rows = listed(&bench.model, bench.tree());
+    let at = rows
+        .iter()
+        .position(|row| row.spot().is_some_and(|spot| matches!(spot, FormSpot::Knob(it) if it == name)));
+    Target::Knob(at.unwrap())
+}
+
+#[test]
+fn a_click_on_another_knob_takes_what_was_typed_for_the_first_one() {
+    let mut bench = FormBench::new("silver-birch");
+    let internode = bench.value("internode");
+    bench.on("age").keys("enter ctrl-u").typed("0.5");
+    let row = row_of(&bench, "internode");
+    press_on(&mut bench, row);
+    assert_eq!((bench.value("age").as_str(), bench.value("internode")), ("0.5", internode.clone()));
+    assert!(bench.model.dialogs.is_empty());
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("internode")));
+    // What cannot be taken is given up.
+    bench.on("age").keys("enter ctrl-u").typed("zzz");
+    let row = row_of(&bench, "internode");
+    press_on(&mut bench, row);
+    assert_eq!((bench.value("age").as_str(), bench.value("internode")), ("0.5", internode));
+    assert!(bench.model.dialogs.is_empty());
+    // In the line itself the mouse ends nothing.
+    bench.on("age").keys("enter");
+    bench.paint(120, 60);
+    let (column, line) = bench.paint(120, 60).1.cursor.unwrap();
+    bench.press(column, line);
+    assert!(bench.model.dialogs.top::<value::ValueLine>().is_some());
+}
+
+#[test]
+fn a_choice_that_brings_other_knobs_leaves_the_click_on_the_knob_that_was_meant() {
+    let mut bench = FormBench::new("fir");
+    bench.on("crown").keys("enter ctrl-u").typed("cylinder");
+    let row = row_of(&bench, "kill");
+    press_on(&mut bench, row);
+    assert_eq!(bench.value("crown"), "cylinder");
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("kill")));
+}
+
+#[test]
+fn a_line_is_painted_at_its_knob() {
+    let mut bench = FormBench::new("fir");
+    bench.on("points").keys("enter ctrl-u").typed("4321");
+    bench.on("seed");
+    let (buffer, _) = bench.paint(120, 60);
+    let shown = text(&buffer);
+    let row = shown.lines().find(|line| line.contains("4321")).unwrap();
+    assert!(row.contains("points") && !row.contains("seed"), "{row}");
+}
+
+#[test]
+fn saving_and_exporting_end_the_comparison() {
+    for key in ["s", "y", "Y", "e"] {
+        let mut bench = FormBench::new("fir");
+        bench.on("seed").keys("right b");
+        assert!(bench.tree().compares);
+        bench.keys(key);
+        assert!(!bench.tree().compares, "{key}");
+        assert_eq!(bench.tree().wanted().preset.seed(), 2, "{key}");
+    }
+}
+
+#[test]
+fn a_knob_is_found_by_its_whole_name_and_arrows_go_through_the_others() {
+    let mut bench = FormBench::new("silver-birch");
+    bench.keys("/").typed("age");
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("age")));
+    bench.keys("down");
+    let second = bench.model.form.selected;
+    assert_ne!(second, Some(FormSpot::Knob("age")));
+    bench.keys("up");
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("age")));
+    bench.keys("down enter");
+    assert_eq!(bench.model.form.selected, second);
+}
+
+#[test]
+fn a_tree_that_did_not_grow_is_not_shown_as_if_it_had() {
+    let mut bench = FormBench::new("older-c");
+    bench.grow();
+    let shown = |bench: &mut FormBench| text(&bench.paint(120, 30).0);
+    assert!(shown(&mut bench).contains(" m tall"));
+    bench.on("seed").keys("right");
+    let grows = shown(&mut bench);
+    assert!(grows.contains("seed 2") && !grows.contains(" m tall"), "figures of another seed:\n{grows}");
+    bench.send(Msg::Grown(Err("points: nothing to reach".to_owned())));
+    let failed = shown(&mut bench);
+    assert_eq!(failed.matches("✗ did not grow").count(), 2, "the title and the picture's heading:\n{failed}");
+}
+
+#[test]
+fn only_what_keys_turn_offers_more_and_less() {
+    let mut bench = FormBench::new("silver-birch");
+    let offered = |bench: &FormBench| {
+        let hints = crate::tui::chrome::footer::hints(&bench.model);
+        hints.iter().map(|hint| hint.command.id).filter(|id| id.starts_with("knob-")).collect::<Vec<_>>()
+    };
+    assert!(offered(bench.on("seed")).contains(&"knob-more"));
+    let color = bench.tree().preset().knobs().into_iter();
+    let color = color.map(|(row, _)| row.knob).find(|knob| matches!(knob.kind, Kind::Color { .. })).unwrap();
+    let offers = offered(bench.on(color.name));
+    assert!(!offers.contains(&"knob-more") && !offers.contains(&"knob-less"), "{offers:?}");
+    assert!(offers.contains(&"knob-type"), "{offers:?}");
+}
+
+#[test]
+fn what_opens_shows_its_keys_and_not_what_was_said_before() {
+    let mut bench = FormBench::new("fir");
+    bench.keys("*");
+    assert!(!bench.said().is_empty());
+    bench.keys("e");
+    assert_eq!(bench.said(), "");
 }

@@ -83,6 +83,10 @@ impl Dialog<Model> for ValueLine {
         turn(model, self.knob, completed(self.knob, self.prompt.text().trim()));
         After::Closes
     }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
+    }
 }
 
 /// Turns a knob to what was typed, and puts the cursor on it; whether that could be done, and why not is said.

@@ -109,6 +109,11 @@ fn typed(model: &Model) -> Option<&Prompt> {
     model.dialogs.top::<ValueLine>().map(|line| &line.prompt)
 }
 
+/// The same where it is a knob's.
+fn typed_of<'m>(model: &'m Model, knob: &str) -> Option<&'m Prompt> {
+    typed(model).filter(|_| model.dialogs.top::<ValueLine>().is_some_and(|line| line.knob == knob))
+}
+
 /// The knob that a tree's fault is about: the first that the advice names, behind the last colon or
 /// semicolon, else the first that is named at all.
 pub fn culprit(tree: &Tree) -> Option<&'static str> {
@@ -184,7 +189,7 @@ impl FormView<'_> {
             }
             FormRow::Knob(row_knob, value) => {
                 buffer.set_style(area, base);
-                self.knob(row_knob, value, chosen, base, area, buffer, view);
+                self.knob(row_knob, value, base, area, buffer, view);
             }
         }
     }
@@ -195,12 +200,10 @@ impl FormView<'_> {
         buffer.set_stringn(area.x, area.y, mark.unwrap_or(" "), area.width.into(), base.patch(style));
     }
 
-    #[expect(clippy::too_many_arguments, reason = "a row is painted from everything that there is to it")]
     fn knob(
         &self,
         row_knob: &PresetKnob,
         value: &Value,
-        chosen: bool,
         base: Style,
         area: Rect,
         buffer: &mut Buffer,
@@ -221,7 +224,8 @@ impl FormView<'_> {
         buffer.set_stringn(area.x + 1, area.y, name, name_width.into(), name_style);
         let x = area.x + 1 + name_width + 1;
         let field = Rect { x, width: area.right().saturating_sub(x), ..area };
-        if let Some(line) = typed(self.model).filter(|_| chosen) {
+        if let Some(line) = typed_of(self.model, row_knob.knob.name) {
+            view.regions.push((area, Target::Dialog(None)));
             // What is longer than its field takes the name's place too.
             let long = line.text().width() + 1 > usize::from(field.width);
             let whole = Rect { x: area.x + 1, width: area.width.saturating_sub(1), ..area };
@@ -229,8 +233,10 @@ impl FormView<'_> {
             return;
         }
         let drawn_from = self.tree.wanted().preset.spread(row_knob);
-        let drawn_from = drawn_from.map_or_else(String::new, |spread| format!(" of {spread}"));
-        let text = clipped(&(with_unit(row_knob, value) + &drawn_from), field.width.into());
+        // What is set comes first: that is what is turned.
+        let now = with_unit(row_knob, value);
+        let text = drawn_from.map_or_else(|| now.clone(), |spread| format!("{spread}: {now}"));
+        let text = clipped(&text, field.width.into());
         let style = base.patch(if turned && !self.tree.compares { theme.modified } else { theme.value });
         buffer.set_stringn(field.x, field.y, text, field.width.into(), style);
         if let (Kind::Color { .. }, Value::Color([r, g, b])) = (row_knob.knob.kind, value)

@@ -131,7 +131,7 @@ fn cell(
     if parts.framed {
         let room = usize::from(area.width).saturating_sub(4);
         let pick = PICKS.get(index).and_then(|id| model.config.keymap.keys_of(id).first());
-        let pick = pick.map(|key| format!(" {}", key_label(&key.to_string()))).unwrap_or_default();
+        let pick = pick.map(|key| format!(" {}", key_label(model, &key.to_string()))).unwrap_or_default();
         let name = clipped(&name, room.saturating_sub(pick.width()));
         let top = Line::from(vec![Span::styled(pick, theme.key), Span::styled(format!(" {name} "), style)]);
         // What is chosen must be seen without colours too.

@@ -74,4 +74,8 @@ impl Dialog<Model> for EditLine {
             }
         }
     }
+
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.take_or_give_up(model, effects)
+    }
 }
