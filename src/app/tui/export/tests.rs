@@ -878,7 +878,7 @@ fn seasons_are_written_again_after_a_question() {
     let text = bench.text(100, 40);
     assert!(text.contains("silver-birch_summer.obj, ") && text.contains("Replace these files?"), "{text}");
     let order = ExportBench::order(bench.keys("y"));
-    assert_eq!(order.replaces, names.each_ref().map(|name| Path::new(name)));
+    assert_eq!(order.replaces, names.each_ref().map(Path::new));
 }
 
 #[test]

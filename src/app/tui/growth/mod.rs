@@ -9,6 +9,7 @@ mod commands;
 use std::time::Duration;
 
 pub use commands::COMMANDS;
+use linden::knob::Value;
 use linden::preset::Preset;
 use linden::skeleton::generator::Steps;
 
@@ -32,13 +33,28 @@ pub fn younger(model: &Model) -> Option<(String, Option<String>)> {
     let (step, tree) = (model.growth.step()?, shown(model)?);
     let unit = regrown(tree).map_or("iteration", |steps| steps.unit);
     let preset = &tree.recipe.preset;
-    let made_by = preset.generator.at_step(step).and_then(|generator| {
-        let mut young: Preset = preset.clone();
-        young.generator = generator;
-        let mut turned = young.knobs().into_iter().filter(|(knob, _)| preset.differs(knob, &young));
-        turned.next().map(|(knob, value)| format!("{}={value}", knob.knob.name))
-    });
+    let made_by = match preset.generator.at_step(step) {
+        Some(generator) => {
+            let mut young: Preset = preset.clone();
+            young.generator = generator;
+            young.knobs().into_iter().find(|(knob, _)| preset.differs(knob, &young))
+        }
+        // An age is a share of the iterations.
+        None => preset.knobs().into_iter().find(|(knob, _)| knob.knob.name == "age").map(|(knob, age)| {
+            let share = f64::from(step) / f64::from(last_step(tree).max(1));
+            (knob, if let Value::Real(age) = age { Value::Real(age * share) } else { age })
+        }),
+    };
+    let made_by = made_by.map(|(knob, value)| format!("{}={}", knob.knob.name, shortened(&value)));
     Some((format!("{unit} {step} of {}", last_step(tree)), made_by))
+}
+
+/// A value in few digits: not above it, so that a share of steps is of no later one.
+fn shortened(value: &Value) -> String {
+    match value {
+        Value::Real(x) => ((x * 1e4 + 1e-6).floor() / 1e4).to_string(),
+        other => other.to_string(),
+    }
 }
 
 /// That files have the grown tree, while a younger one is on screen.

@@ -71,3 +71,21 @@ fn a_stage_of_colonization_has_what_was_born_until_then() {
         assert_eq!(young.skeleton.positions.len(), expected, "{step}");
     }
 }
+
+#[test]
+fn the_age_that_is_told_is_of_the_step_on_screen() {
+    use linden::knob::Value;
+    use linden::skeleton::generator::Steps;
+    for count in [2, 7, 24, 44, 392] {
+        for step in 1..count {
+            let told = super::shortened(&Value::Real(f64::from(step) / f64::from(count)));
+            assert!(told.len() <= 6, "{told}");
+            assert_eq!(Steps::after(told.parse().unwrap(), count), step, "{told} of {count}");
+        }
+    }
+    let mut bench = Bench::new(100, 30).without_pictures().with_plain("grove");
+    let last = super::last_step(super::shown(&bench.model).unwrap());
+    bench.model.growth.step = Some(last / 2);
+    let (_, made_by) = super::younger(&bench.model).unwrap();
+    assert!(made_by.is_some_and(|made_by| made_by.starts_with("age=0.")), "iterations have an age too");
+}

@@ -240,7 +240,7 @@ impl FormView<'_> {
         let style = base.patch(if turned && !self.tree.compares { theme.modified } else { theme.value });
         buffer.set_stringn(field.x, field.y, text, field.width.into(), style);
         if let (Kind::Color { .. }, Value::Color([r, g, b])) = (row_knob.knob.kind, value)
-            && field.width > 10
+            && field.width >= 10
             && self.model.terminal.colors.value != linden_terminal::ColorDepth::None
         {
             buffer.set_string(field.x + 8, field.y, "  ", Style::new().bg(Color::Rgb(*r, *g, *b)));
