@@ -86,7 +86,7 @@ impl Dialog<Model> for ExportDialog {
     }
 
     fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
-        paint(model, self, model.tall_popup_body(), buffer, view);
+        paint(model, self, model.popup_body(), buffer, view);
     }
 
     fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {

@@ -183,24 +183,15 @@ impl Model {
     /// Where dialogs of text lie. A picture of characters costs a slow line kilobytes when a dialog that covered it
     /// goes: there they lie over the list or the form, whichever is wider, and the picture stays.
     pub fn popup_body(&self) -> Rect {
-        let pane = self.popup_pane();
-        pane.map_or(self.dialog_body(), |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
-    }
-
-    /// The same for a dialog of many rows that are gone through for a while.
-    pub fn tall_popup_body(&self) -> Rect {
-        self.popup_pane().unwrap_or_else(|| self.dialog_body())
-    }
-
-    /// The pane that dialogs of text lie over, where the picture is to stay.
-    fn popup_pane(&self) -> Option<Rect> {
+        let body = self.dialog_body();
         if !self.terminal.remote.value || self.terminal.graphics.value != Graphics::Cells {
-            return None;
+            return body;
         }
         let layout = self.layout();
         let beside = [Pane::Shape, Pane::Presets].into_iter().map(|pane| layout.panes[pane as usize]);
         let has_room = |area: &Rect| area.width >= LEAST_POPUP.0 && area.height >= LEAST_POPUP.1;
-        beside.filter(has_room).max_by_key(|area| area.width)
+        let widest = beside.filter(has_room).max_by_key(|area| area.width);
+        widest.map_or(body, |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
     }
 
     /// Where keys are listened to: the topmost dialog, or the focused pane.
