@@ -19,6 +19,7 @@
 
 mod compete;
 mod document;
+mod edit;
 mod error;
 mod grown;
 mod layout;
