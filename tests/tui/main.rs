@@ -15,6 +15,7 @@ mod exporting;
 mod given_back;
 mod growing;
 mod harness;
+mod kept_work;
 mod links;
 mod palette;
 mod plain;

@@ -26,6 +26,8 @@ const MAX_BYTES: u64 = 64 << 20;
 const MAX_ENTRIES: usize = 10_000;
 /// The group of what lies in `presets/` itself and names none.
 const OWN: &str = "own";
+/// The folder of removed presets.
+const REMOVED: &str = ".removed";
 /// What makes a forest, where a preset names its generator.
 pub const FOREST: &str = "forest";
 
@@ -107,6 +109,29 @@ fn files_of(dir: &Path) -> Vec<PathBuf> {
     let folders = all.iter().filter(|path| !has_ending(path) && path.is_dir());
     let below: Vec<PathBuf> = folders.flat_map(|folder| names(folder, &mut Vec::new())).collect();
     all.into_iter().chain(below).filter(|path| has_ending(path)).collect()
+}
+
+/// Puts a preset's file into a hidden folder beside it, which is not listed, and gives where it is; `None` when it is
+/// gone already. Files that the preset needs stay where they are.
+///
+/// # Errors
+/// Why it is still there.
+pub fn put_away(path: &Path) -> Result<Option<PathBuf>, Complaint> {
+    let failed = |error: std::io::Error| Complaint::new(path, format!("cannot be removed: {error}"));
+    let folder = path.with_file_name(REMOVED);
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    let numbered =
+        |n: u32| folder.join(if n == 1 { format!("{stem}{ending}") } else { format!("{stem}-{n}{ending}") });
+    if fs::symlink_metadata(path).is_err_and(|error| error.kind() == ErrorKind::NotFound) {
+        return Ok(None);
+    }
+    fs::create_dir_all(&folder).map_err(failed)?;
+    let is_free = |path: &PathBuf| fs::symlink_metadata(path).is_err();
+    let kept = (1..MAX_ENTRIES as u32).map(numbered).find(is_free);
+    let kept = kept.ok_or_else(|| Complaint::new(&folder, "is full; empty it"))?;
+    fs::rename(path, &kept).map_err(failed)?;
+    Ok(Some(kept))
 }
 
 /// What is in a directory, in order, without what is hidden.

@@ -168,3 +168,15 @@ fn ids_that_are_no_file_names_are_refused() {
     }
     assert_eq!(listed(dir.path()).len(), 5);
 }
+
+#[test]
+fn what_is_removed_is_kept_where_it_is_not_listed() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("mine.toml");
+    for name in ["mine.toml", "mine-2.toml"] {
+        std::fs::write(&path, "id = \"mine\"\n").unwrap();
+        assert_eq!(put_away(&path), Ok(Some(dir.path().join(".removed").join(name))));
+        assert!(list(dir.path(), &linden::Quiet).0.is_empty());
+    }
+    assert_eq!(put_away(&path), Ok(None));
+}

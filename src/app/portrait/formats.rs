@@ -6,7 +6,7 @@ use linden::knob::{Kind, Knob, Value, integer, names, real, real_or_auto};
 use linden::monitor::Holding;
 use linden::scene::Scene;
 use linden::stage::Stage;
-use linden::{Cancelled, Monitor};
+use linden::Monitor;
 use linden_exporters::writing::fit;
 use linden_exporters::{
     Bundle, Encoding, ExportError, Exporter, Format, Holds, LooksIn, OptionSpec, Options, Readable, recipe_in,

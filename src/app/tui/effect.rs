@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use linden::forest::Forest;
 use linden::recipe::Recipe;
 
 use super::tree::TreePlace;
@@ -32,10 +33,30 @@ pub enum Effect {
         /// Whether one of that id may be replaced.
         overwrite: bool,
     },
+    /// Save a forest in the user's folder ([`super::forest::save::write`]); answered by `Msg::ForestSaved`.
+    SaveForest {
+        /// Its id.
+        id: String,
+        /// Where its document was.
+        from: TreePlace,
+        /// What to save.
+        forest: Arc<Forest>,
+        /// Whether one of that id may be replaced.
+        overwrite: bool,
+    },
     /// Open text in `$EDITOR`; answered by `Msg::Edited`.
     Edit(String),
     /// Open a file in `$EDITOR`; what changes in it comes back through hot reload.
     EditFile(PathBuf),
+    /// Write what was changed into a preset's file and open that in `$EDITOR`; the former is answered by `Msg::Saved`.
+    WriteBack {
+        /// The file.
+        path: PathBuf,
+        /// What it is to say.
+        recipe: Arc<Recipe>,
+    },
+    /// Put a preset's file away ([`crate::config::presets::put_away`]); answered by `Msg::Removed`.
+    Remove(PathBuf),
     /// Export in the background; answered by `Msg::Export`.
     Export(ExportOrder),
     /// Stop the export that is under way.

@@ -93,6 +93,11 @@ impl Tree {
         }
     }
 
+    /// Whether its document is that file.
+    pub fn is_from(&self, path: &Path) -> bool {
+        matches!(&self.place, TreePlace::File(own) if own == path)
+    }
+
     /// The files that it was read from.
     pub fn files(&self) -> Vec<PathBuf> {
         let TreePlace::File(path) = &self.place else { return Vec::new() };
@@ -177,6 +182,11 @@ impl Tree {
         }
         self.replace(preset);
         complaints
+    }
+
+    /// What is changed next is a step of undo of its own.
+    pub fn begin_step(&mut self) {
+        self.series = None;
     }
 
     /// Replaces the whole preset (a variation, all knobs as saved), as one step of undo.

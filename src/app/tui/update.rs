@@ -53,6 +53,10 @@ pub enum Msg {
     Export(ExportNews),
     /// A preset was saved, or why not.
     Saved(Result<(String, PathBuf), String>),
+    /// A forest was saved, or why not.
+    ForestSaved(Result<PathBuf, String>),
+    /// A preset's file was put away, and where it is now; or why not.
+    Removed(Result<(PathBuf, Option<PathBuf>), String>),
     /// Text comes back from `$EDITOR`, or why not.
     Edited(Result<String, String>),
     /// The configuration was read anew.
@@ -130,6 +134,8 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Derived(derivation) => derivation::derived(model, *derivation),
         Msg::Export(news) => export::news(model, news, &mut effects),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
+        Msg::ForestSaved(saved) => forest::saved(model, saved, &mut effects),
+        Msg::Removed(removed) => library::file_removed(model, removed, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),
         Msg::Configured(config) => {
             model.config = *config;

@@ -1,5 +1,7 @@
 //! A forest on screen, in the place of a tree: its picture, and a form of the knobs that lay it out.
 
+pub mod save;
+mod save_line;
 pub mod view;
 
 use std::path::{Path, PathBuf};
@@ -8,6 +10,8 @@ use std::sync::Arc;
 use linden::forest::{FOREST_KNOBS, Forest, LayoutError};
 use linden::knob::{Knob, Value};
 
+pub use self::save_line::ForestSaveLine;
+use super::effect::{Effect, Effects};
 use super::model::{FormSpot, Model};
 use super::picture;
 use super::tree::TreePlace;
@@ -112,6 +116,17 @@ impl ForestOnScreen {
         self.change(saved);
     }
 
+    /// What is on screen was saved: nothing differs from the document.
+    fn was_saved(&mut self, path: PathBuf) {
+        // Those of its kinds stay, so that what changes in them is seen.
+        if let TreePlace::File(before) = &self.place {
+            self.files.retain(|file| file != before);
+        }
+        self.files.push(path.clone());
+        self.place = TreePlace::File(path);
+        self.saved = Arc::clone(&self.current);
+    }
+
     fn change(&mut self, forest: Forest) {
         if forest.layout != self.current.layout {
             self.past.push(std::mem::replace(&mut self.current, Arc::new(forest)));
@@ -180,6 +195,26 @@ pub fn grown(model: &mut Model, grown: Result<Arc<ShownForest>, String>) {
             (forest.growing, forest.fault) = (None, Some(why.clone()));
             model.say_error(why);
         }
+    }
+}
+
+/// A forest was saved, or why not.
+pub fn saved(model: &mut Model, saved: Result<PathBuf, String>, effects: &mut Effects) {
+    match saved {
+        Ok(path) => {
+            model.say(format!("saved in {}", crate::paths::show(&path)));
+            if let Some(forest) = &mut model.forest {
+                forest.was_saved(path.clone());
+                let place = forest.place.clone();
+                // The list has it at once; its name is read from the file.
+                model.library.add_forest(path, forest.wanted(), "");
+                model.library.select_place(&place);
+                model.loading = Some(place.clone());
+                effects.push(Effect::Load(place));
+            }
+            effects.push(Effect::Reconfigure);
+        }
+        Err(why) => model.say_error(why),
     }
 }
 

@@ -78,7 +78,7 @@ fn knobs_of_a_forest_are_turned_typed_undone_and_kept_on_the_shelf() {
 fn what_is_for_one_tree_says_so() {
     let mut bench = orchard(120, 40);
     bench.settle();
-    for id in ["statistics", "gallery", "wind-play", "compare", "save-as"] {
+    for id in ["statistics", "gallery", "wind-play", "compare"] {
         bench.run(id);
         let said = bench.model.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
         assert!(said.contains("a forest is on screen"), "{id}: {said}");
@@ -121,4 +121,37 @@ fn a_forests_file_is_opened_and_its_mistakes_are_said() {
     bench.msg(crate::tui::update::Msg::Changed(vec![path]));
     bench.settle();
     assert_eq!(forest(&bench).wanted().layout.area_m, 30.0);
+}
+
+#[test]
+fn a_forest_is_saved_under_a_name() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bench = orchard(120, 40);
+    bench.model.config.dirs.config = Some(dir.path().to_owned());
+    bench.settle();
+    bench.keys("n s");
+    assert!(bench.screen().contains("save forest as: orchard-2"), "{}", bench.screen());
+    let save = |bench: &mut Bench| {
+        let Some(Effect::SaveForest { id, from, forest, overwrite }) = bench.effects.pop() else {
+            panic!("nothing is to be saved: {:?}", bench.effects)
+        };
+        let presets = bench.model.config.dirs.presets().unwrap();
+        bench.msg(crate::tui::update::Msg::ForestSaved(super::save::write(
+            &presets, &id, &from, &forest, overwrite,
+        )));
+        bench.settle();
+    };
+    bench.keys("enter");
+    save(&mut bench);
+    let path = dir.path().join("presets/orchard-2.toml");
+    assert_eq!(forest(&bench).place, TreePlace::File(path.clone()));
+    assert!(!forest(&bench).is_modified() && forest(&bench).wanted().name == "orchard-2");
+    // Over itself, after a second Enter.
+    bench.keys("n s enter");
+    assert!(bench.screen().contains("Enter again replaces it"), "{}", bench.screen());
+    let seed = forest(&bench).wanted().layout.seed;
+    bench.keys("enter");
+    save(&mut bench);
+    assert!(std::fs::read_to_string(path).unwrap().contains(&format!("seed = {seed}")));
+    assert!(!forest(&bench).is_modified());
 }

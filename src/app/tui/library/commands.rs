@@ -2,6 +2,7 @@
 
 use super::filter_line::FilterLine;
 use super::open_line::OpenLine;
+use super::remove_line::RemoveLine;
 use super::tag_line::TagLine;
 use super::{back, choose, go, mark, set_filter};
 use crate::tui::command::Context;
@@ -127,6 +128,25 @@ pub const COMMANDS: &[Command] = &[
         run: |model, _| {
             let line = TagLine::new(model);
             model.dialogs.open(line);
+        },
+    },
+    Command {
+        id: "preset-remove",
+        context: Context::PRESETS,
+        keys: &["delete"],
+        title: "Remove",
+        help: "Removes the selected preset of yours, whose file goes into a folder beside it, or takes an opened file off the list; asks first",
+        hint: None,
+        hindrance: |model| {
+            without_entry(model).or_else(|| {
+                let is_builtin = RemoveLine::new(model).is_none();
+                is_builtin.then(|| "what is built in cannot be removed".to_owned())
+            })
+        },
+        run: |model, _| {
+            if let Some(line) = RemoveLine::new(model) {
+                model.dialogs.open(line);
+            }
         },
     },
     Command {

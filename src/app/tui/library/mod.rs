@@ -6,6 +6,7 @@
 mod commands;
 mod filter_line;
 mod open_line;
+mod remove_line;
 mod tag_line;
 pub mod view;
 
@@ -28,6 +29,7 @@ use super::tree::{Changes, Tree, TreePlace};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::jobs::{Findings, Inquiry};
+use crate::paths::show;
 use crate::source::Source;
 use crate::source::forest::{AnySource, ForestSource};
 
@@ -93,12 +95,10 @@ fn take(model: &mut Model, tree: Tree) {
 fn clear(model: &mut Model) {
     model.library.before = model.place().cloned().or_else(|| model.library.before.take());
     if let Some(before) = model.tree.take().filter(Tree::is_modified) {
-        model.library.shelf.retain(|other| other.place != before.place);
-        model.library.shelf.push(before);
+        model.library.shelve(before);
     }
     if let Some(before) = model.forest.take().filter(ForestOnScreen::is_modified) {
-        model.library.forests.retain(|other| other.place != before.place);
-        model.library.forests.push(before);
+        model.library.shelve_forest(before);
     }
     model.form.reset();
     model.growth.stop();
@@ -123,27 +123,35 @@ pub fn loaded(
             for note in &source.notes {
                 model.say(note.clone());
             }
-            let changes = model.changes.take().filter(|(of, _)| *of == place);
-            reread_forest(model, place, *source, changes.map(|(_, changes)| changes));
+            let changes = changes_of(model, &place);
+            reread_forest(model, place, *source, changes);
         }
         Ok(AnySource::Tree(source)) => {
             let Source { recipe, notes, .. } = *source;
             for note in notes {
                 model.say(note);
             }
-            // Changes for another preset are for one that the user has left.
-            let changes = model.changes.take().filter(|(of, _)| *of == place);
+            let changes = changes_of(model, &place);
             reread(model, place, recipe);
-            if let Some((_, changes)) = changes
-                && let Some(tree) = &mut model.tree
-            {
-                for complaint in tree.apply(&changes) {
-                    model.say_error(complaint);
-                }
+            let Some(tree) = &mut model.tree else { return };
+            let complaints: Vec<String> = changes.iter().flat_map(|changes| tree.apply(changes)).collect();
+            for complaint in complaints {
+                model.say_error(complaint);
             }
         }
-        Err(why) => model.say_error(why),
+        Err(why) => {
+            model.library.mark_fault(&place, &why);
+            model.say_error(why);
+        }
     }
+}
+
+/// The changes that are to be made to what was read: those of the last session, then those of the command line.
+/// Each is a step of undo.
+fn changes_of(model: &mut Model, place: &TreePlace) -> Vec<Changes> {
+    // Changes for another preset are for one that the user has left.
+    let asked = model.changes.take().filter(|(of, _)| of == place).map(|(_, changes)| changes);
+    model.library.take_unread(place).into_iter().chain(asked).collect()
 }
 
 /// A document was read, for the first time or anew. Changes that were made to its tree stay.
@@ -170,9 +178,9 @@ fn reread(model: &mut Model, place: TreePlace, recipe: Recipe) {
 }
 
 /// A forest's document was read, for the first time or anew.
-fn reread_forest(model: &mut Model, place: TreePlace, source: ForestSource, changes: Option<Changes>) {
+fn reread_forest(model: &mut Model, place: TreePlace, source: ForestSource, changes: Vec<Changes>) {
     if let TreePlace::File(path) = &place {
-        model.library.add_forest(path.clone(), &source);
+        model.library.add_forest(path.clone(), &source.forest, &source.summary);
         model.library.select_place(&place);
     }
     let mut forest = ForestOnScreen::new(place, source);
@@ -194,10 +202,42 @@ fn reread_forest(model: &mut Model, place: TreePlace, source: ForestSource, chan
 
 /// The user's presets were read, and what could not be.
 pub fn listed(model: &mut Model, presets: Vec<UserPreset>, complaints: Vec<Complaint>) {
-    model.library.set_user(presets);
+    let changed_tree = model.tree.as_ref().filter(|tree| tree.is_modified()).map(|tree| &tree.place);
+    let changed_forest =
+        model.forest.as_ref().filter(|forest| forest.is_modified()).map(|forest| &forest.place);
+    model.library.set_user(presets, changed_tree.or(changed_forest));
     for complaint in complaints {
         model.say_error(complaint.to_string());
     }
+}
+
+/// A preset's file was removed, or why not.
+pub fn file_removed(
+    model: &mut Model,
+    result: Result<(PathBuf, Option<PathBuf>), String>,
+    effects: &mut Effects,
+) {
+    match result {
+        Ok((path, kept)) => {
+            removed(model, &TreePlace::File(path), effects);
+            match kept {
+                Some(kept) => model.say(format!("removed: it is {} now", show(&kept))),
+                None => model.say("removed: its file was gone already"),
+            }
+            effects.push(Effect::Reconfigure);
+        }
+        Err(why) => model.say_error(why),
+    }
+}
+
+/// Takes an entry off the list, with what was changed of it, and shows the one that has the cursor then.
+fn removed(model: &mut Model, place: &TreePlace, effects: &mut Effects) {
+    model.library.drop_changes(place);
+    if model.place() == Some(place) {
+        (model.tree, model.forest) = (None, None);
+    }
+    model.library.forget(|other| other == place);
+    show_selected(model, effects);
 }
 
 /// Files changed on disk: what is shown is read again.
@@ -257,10 +297,11 @@ fn go(model: &mut Model, by: isize, effects: &mut Effects) {
 
 /// Shows the preset that was on screen before this one.
 fn back(model: &mut Model, effects: &mut Effects) {
-    if let Some(place) = model.library.before.clone()
-        && model.library.select_place(&place)
-    {
+    let Some(place) = model.library.before.clone() else { return };
+    if model.library.select_place(&place) {
         show_selected(model, effects);
+    } else {
+        model.say_warning("the preset before is not in the list any more");
     }
 }
 
@@ -284,3 +325,6 @@ fn mark(model: &mut Model) {
         None => {}
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -68,6 +68,16 @@ impl PresetEntry {
         !self.name.is_empty() && !self.name.eq_ignore_ascii_case(&self.id)
     }
 
+    /// The entry of a file that was not read: its name is all that is known.
+    pub fn unread(place: TreePlace, group: &str) -> Self {
+        let id = match &place {
+            TreePlace::Builtin(id) => (*id).to_owned(),
+            TreePlace::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        };
+        let [name, summary, source] = [(); 3].map(|()| String::new());
+        Self { place, id, name, group: group.to_owned(), summary, source, tags: Vec::new(), fault: None }
+    }
+
     /// The entry of a preset.
     pub fn of(place: TreePlace, preset: &Preset) -> Self {
         Self {

@@ -1,17 +1,17 @@
 //! The list of presets: entries, rows, the filter, and changed trees that are not on screen.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf, absolute};
 
-use linden::forest::builtin_forests;
+use linden::forest::{Forest, builtin_forests};
 use linden::preset::{Heading, Preset, builtins};
 
 use super::entry::{ListRow, PresetEntry};
 use super::filter::Listing;
 use crate::config::presets::UserPreset;
-use crate::source::forest::ForestSource;
+use crate::paths::show;
 use crate::tui::forest::ForestOnScreen;
-use crate::tui::tree::{Tree, TreePlace};
+use crate::tui::tree::{Changes, Tree, TreePlace};
 
 /// The group of files that were opened.
 const OPENED: &str = "opened";
@@ -41,6 +41,8 @@ pub struct Library {
     pub shelf: Vec<Tree>,
     /// Changed forests that are not on screen.
     pub forests: Vec<ForestOnScreen>,
+    /// Changes of the last session, of trees and forests whose documents were not read in this one.
+    pub unread: Vec<(TreePlace, Changes)>,
 }
 
 impl Library {
@@ -77,21 +79,28 @@ impl Library {
             before: None,
             shelf: Vec::new(),
             forests: Vec::new(),
+            unread: Vec::new(),
         };
         library.arrange();
         library
     }
 
-    /// Puts the user's presets in the list, in the place of those that were there.
-    pub fn set_user(&mut self, presets: Vec<UserPreset>) {
+    /// Puts the user's presets in the list, in the place of those that were there. Of the latter those stay that
+    /// were changed, the tree at `changed` on screen too, though their files are gone.
+    pub fn set_user(&mut self, presets: Vec<UserPreset>, changed: Option<&TreePlace>) {
         let selected = self.entry().map(|entry| entry.place.clone());
-        let is_listed = |entry: &PresetEntry| {
-            presets.iter().any(|preset| entry.place == TreePlace::File(preset.path.clone()))
-        };
-        self.entries.retain(|entry| match entry.place {
-            TreePlace::Builtin(_) => true,
-            TreePlace::File(_) => entry.group == OPENED && !is_listed(entry),
+        let mut entries = std::mem::take(&mut self.entries);
+        entries.retain_mut(|entry| {
+            let TreePlace::File(path) = &entry.place else { return true };
+            if presets.iter().any(|preset| preset.path == *path) {
+                return false;
+            }
+            if entry.group != OPENED && entry.fault.is_none() {
+                entry.fault = Some(gone(path));
+            }
+            entry.group == OPENED || changed == Some(&entry.place) || self.is_shelved(&entry.place)
         });
+        self.entries = entries;
         self.entries.extend(presets.into_iter().map(|preset| PresetEntry {
             place: TreePlace::File(preset.path),
             id: preset.id,
@@ -114,29 +123,83 @@ impl Library {
 
     /// Makes sure that a file is listed: one that was named when the program was started, say.
     pub fn add_file(&mut self, path: PathBuf, preset: &Preset) {
-        let place = TreePlace::File(path);
-        if self.entries.iter().all(|entry| entry.place != place) {
-            self.entries.push(PresetEntry { group: OPENED.to_owned(), ..PresetEntry::of(place, preset) });
-            self.arrange();
-        }
+        self.add(PresetEntry { group: OPENED.to_owned(), ..PresetEntry::of(TreePlace::File(path), preset) });
     }
 
     /// The same of a forest's file.
-    pub fn add_forest(&mut self, path: PathBuf, source: &ForestSource) {
-        let place = TreePlace::File(path);
-        if self.entries.iter().all(|entry| entry.place != place) {
-            self.entries.push(PresetEntry {
-                place,
-                id: source.forest.id.clone(),
-                name: source.forest.name.clone(),
-                group: OPENED.to_owned(),
-                summary: source.summary.clone(),
-                source: String::new(),
-                tags: Vec::new(),
-                fault: None,
-            });
-            self.arrange();
+    pub fn add_forest(&mut self, path: PathBuf, forest: &Forest, summary: &str) {
+        self.add(PresetEntry {
+            id: forest.id.clone(),
+            name: forest.name.clone(),
+            summary: summary.to_owned(),
+            ..PresetEntry::unread(TreePlace::File(path), OPENED)
+        });
+    }
+
+    fn add(&mut self, entry: PresetEntry) {
+        match self.entries.iter_mut().find(|other| other.place == entry.place) {
+            // More is known of it now.
+            Some(other) if other.group == OPENED => *other = entry,
+            Some(_) => return,
+            None => self.entries.push(entry),
         }
+        self.arrange();
+    }
+
+    /// Keeps changes of the last session until the document at `place` is read. A file is listed.
+    pub fn expect(&mut self, place: TreePlace, changes: Changes) {
+        if matches!(place, TreePlace::File(_)) && self.entries.iter().all(|entry| entry.place != place) {
+            self.add(PresetEntry::unread(place.clone(), OPENED));
+        }
+        self.unread.push((place, changes));
+    }
+
+    /// The changes of the last session to what was read from `place`, which are kept here no longer.
+    pub fn take_unread(&mut self, place: &TreePlace) -> Option<Changes> {
+        let at = self.unread.iter().position(|(other, _)| is_same(other, place))?;
+        let (other, changes) = self.unread.remove(at);
+        if other != *place {
+            self.forget(|listed| *listed == other);
+        }
+        Some(changes)
+    }
+
+    /// Gives up what was changed of a tree or a forest that is not on screen.
+    pub fn drop_changes(&mut self, place: &TreePlace) {
+        self.shelf.retain(|tree| tree.place != *place);
+        self.forests.retain(|forest| forest.place != *place);
+        self.unread.retain(|(other, _)| !is_same(other, place));
+    }
+
+    /// What was read from `place` could not be: its entry says why.
+    pub fn mark_fault(&mut self, place: &TreePlace, why: &str) {
+        let unread = self.unread.iter().any(|(other, _)| is_same(other, place));
+        if let Some(entry) = self.entries.iter_mut().find(|entry| entry.place == *place).filter(|_| unread) {
+            entry.fault = Some(format!("{why}; what you changed is kept until it can be read"));
+        }
+    }
+
+    /// Puts a changed tree aside. Where its file is gone, so that it is not listed any more, it is listed again.
+    pub fn shelve(&mut self, tree: Tree) {
+        if let TreePlace::File(path) = &tree.place
+            && self.entries.iter().all(|entry| entry.place != tree.place)
+        {
+            let entry = PresetEntry::of(tree.place.clone(), tree.preset());
+            self.add(PresetEntry { group: OPENED.to_owned(), fault: Some(gone(path)), ..entry });
+        }
+        self.shelf.retain(|other| other.place != tree.place);
+        self.shelf.push(tree);
+    }
+
+    /// The same of a changed forest.
+    pub fn shelve_forest(&mut self, forest: ForestOnScreen) {
+        if let TreePlace::File(path) = &forest.place
+            && self.entries.iter().all(|entry| entry.place != forest.place)
+        {
+            self.add_forest(path.clone(), forest.wanted(), "");
+        }
+        self.forests.retain(|other| other.place != forest.place);
+        self.forests.push(forest);
     }
 
     /// Columns that the list would fill: its longest row with air on both sides.
@@ -279,9 +342,11 @@ impl Library {
         Listing { filter: &self.filter, folded: &self.folded, favourites: &self.favourites, tags: &self.tags }
     }
 
-    /// Whether a tree of that place waits with changes.
+    /// Whether a tree or a forest of that place waits with changes.
     pub fn is_shelved(&self, place: &TreePlace) -> bool {
         self.shelf.iter().any(|tree| tree.place == *place)
+            || self.forests.iter().any(|forest| forest.place == *place)
+            || self.unread.iter().any(|(other, _)| is_same(other, place))
     }
 
     /// Selects the entry of a place, if it is listed; its group unfolds.
@@ -340,6 +405,21 @@ impl Library {
         }
         self.at_group.is_none()
     }
+}
+
+/// Whether two places are the same, however their paths are written.
+fn is_same(a: &TreePlace, b: &TreePlace) -> bool {
+    match (a, b) {
+        (TreePlace::File(a), TreePlace::File(b)) if a.is_relative() != b.is_relative() => {
+            absolute(a).is_ok_and(|a| absolute(b).is_ok_and(|b| a == b))
+        }
+        _ => a == b,
+    }
+}
+
+/// What is said of a changed tree whose file is not where it was.
+fn gone(path: &Path) -> String {
+    format!("{} is gone; what you changed is kept here, and 'Save as' writes it anew", show(path))
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ use crate::jobs::THREAD_PREFIX;
 use crate::trust;
 use crate::tui::chrome::footer;
 use crate::tui::effect::Effect;
+use crate::tui::forest;
 use crate::tui::model::Config;
 use crate::tui::shape::save;
 use crate::tui::tree::{Changes, TreePlace};
@@ -32,7 +33,7 @@ const FIRST_TREE: &str = "oak";
 impl Runtime {
     pub(super) fn act(&mut self, effect: Effect) {
         match effect {
-            Effect::Quit => self.end = Some(End::Quit),
+            Effect::Quit => self.quit(),
             Effect::Suspend => self.suspend(),
             Effect::Redraw => {
                 self.resize();
@@ -44,14 +45,27 @@ impl Runtime {
                 let saved = self.save(&id, &from, &recipe, overwrite);
                 self.update(Msg::Saved(saved));
             }
+            Effect::SaveForest { id, from, forest, overwrite } => {
+                let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets".to_owned());
+                let saved = dir.and_then(|dir| forest::save::write(&dir, &id, &from, &forest, overwrite));
+                self.update(Msg::ForestSaved(saved));
+            }
             Effect::Edit(text) => {
                 let edited = self.edit(&text);
                 self.update(Msg::Edited(edited));
             }
-            Effect::EditFile(path) => {
-                if let Err(why) = self.edit_file(&path) {
-                    self.model.say_error(why);
+            Effect::EditFile(path) => self.open_in_editor(&path),
+            Effect::WriteBack { path, recipe } => {
+                let saved = save::write_back(&path, &recipe);
+                let is_saved = saved.is_ok();
+                self.update(Msg::Saved(saved));
+                if is_saved {
+                    self.open_in_editor(&path);
                 }
+            }
+            Effect::Remove(path) => {
+                let removed = presets::put_away(&path).map_err(|complaint| complaint.to_string());
+                self.update(Msg::Removed(removed.map(|kept| (path, kept))));
             }
             Effect::Export(order) => self.desk.export(order),
             Effect::CancelExport => self.desk.cancel_export(),
@@ -65,12 +79,12 @@ impl Runtime {
         let (place, changes) = match (source, &remembered.source) {
             (Some(source), _) => {
                 let place = source.to_str().map_or_else(|| TreePlace::File(source.clone()), memory::place);
+                if self.model.library.is_shelved(&place) {
+                    self.model.say("as you left it: 'Revert all' takes what the document says");
+                }
                 (place, Changes { knobs: set, whole: None })
             }
-            (None, Some(source)) => {
-                let Session { knobs, grammar, .. } = remembered.clone();
-                (memory::place(source), Changes { knobs, whole: grammar })
-            }
+            (None, Some(source)) => (memory::place(source), Changes { knobs: set, whole: None }),
             (None, None) => {
                 let welcome = footer::welcome(&self.model);
                 self.model.say(welcome);
@@ -152,6 +166,12 @@ impl Runtime {
         self.edit_file(file.path())?;
         // Editors may put another file in its place.
         std::fs::read_to_string(file.path()).map_err(|error| format!("reading the edited text: {error}"))
+    }
+
+    fn open_in_editor(&mut self, path: &std::path::Path) {
+        if let Err(why) = self.edit_file(path) {
+            self.model.say_error(why);
+        }
     }
 
     /// Gives the terminal to the user's editor until it ends.

@@ -72,6 +72,7 @@ enum Happening {
     Incoming(Incoming),
     Written,
     Job(jobs::News),
+    Kept(memory::Kept),
     Msg(Box<Msg>),
 }
 
@@ -135,7 +136,7 @@ impl Runtime {
         probing.take_window(size);
         let capabilities = probing.conclude();
         let (memory, remembered, complaints) =
-            Memory::load(&config, start.source.is_none() && start.set.is_empty());
+            Memory::load(&config, start.source.is_none() && start.set.is_empty(), sender)?;
         let mut model = Model::new(commands::ALL, config, capabilities, (size.columns, size.rows), now);
         for complaint in overrides_told.into_iter().chain(complaints) {
             model.say_error(complaint);
@@ -213,6 +214,7 @@ impl Runtime {
     fn wake_at(&self) -> Option<Instant> {
         [wake_at(&self.model), self.display.wake_at(), self.desk.wake_at(), self.probing.wake_at()]
             .into_iter()
+            .chain([self.memory.wake_at()])
             .flatten()
             .min()
     }
@@ -229,6 +231,7 @@ impl Runtime {
         if self.probing.expire(&self.session, now) {
             self.know_terminal(now);
         }
+        self.memory.tick(&self.model, now);
         // What can no longer be written to is gone.
         if self.display.output().error().is_some() {
             self.end.get_or_insert(End::Hangup);
@@ -243,6 +246,10 @@ impl Runtime {
                 if let Some(msg) = self.desk.hear(news, now) {
                     self.update(msg);
                 }
+            }
+            Happening::Kept(kept) => {
+                let verdict = self.memory.heard(&self.model, kept);
+                self.follow_memory(verdict);
             }
             Happening::Msg(msg) => self.update(*msg),
             Happening::Incoming(incoming) => match incoming {
@@ -293,9 +300,30 @@ impl Runtime {
         }
     }
 
+    /// Leaves, once what the user made is kept.
+    fn quit(&mut self) {
+        let verdict = self.memory.leave(&self.model, Instant::now());
+        self.follow_memory(verdict);
+    }
+
+    fn follow_memory(&mut self, verdict: memory::Verdict) {
+        match verdict {
+            memory::Verdict::Goes => {}
+            memory::Verdict::Leaves => self.end = Some(End::Quit),
+            memory::Verdict::Says(why) => {
+                self.model.now = Instant::now();
+                self.model.say_error(why);
+                self.is_stale = true;
+            }
+        }
+    }
+
     /// Takes a message into the model and does what it asks for.
     fn update(&mut self, msg: Msg) {
         self.is_stale = true;
+        if memory::is_kept(&msg) {
+            self.memory.touch(Instant::now());
+        }
         for effect in update(&mut self.model, msg, Instant::now()) {
             self.act(effect);
         }
@@ -395,7 +423,7 @@ impl Runtime {
             }
         }
         self.session.restore();
-        let complaint = self.memory.keep(&self.model);
+        let complaint = self.memory.finish(&self.model);
         self.desk.finish();
         if end == End::Quit {
             if let Some(complaint) = complaint {

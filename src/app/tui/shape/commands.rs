@@ -2,15 +2,16 @@
 
 use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
+use super::save_first::SaveFirstLine;
 use super::save_lines::SaveLine;
 use super::{
     grammar, kinds, nudge, only_turned, open, save, selected, selected_edit, selected_rule, step, turn,
-    unturnable,
+    undoing, unturnable,
 };
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
-use crate::tui::forest::{self, ForestOnScreen};
+use crate::tui::forest::{self, ForestOnScreen, ForestSaveLine};
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_form, without_preset};
 use crate::tui::tree::{Tree, TreePlace, grammar_of};
@@ -299,19 +300,10 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["u"],
         title: "Undo",
-        help: "Takes the last change back; there is no limit",
+        help: "Takes the last change back and says what it was; there is no limit",
         hint: Some(32),
         hindrance: |model| either(model, Tree::can_undo, ForestOnScreen::can_undo, "nothing was changed"),
-        run: |model, _| {
-            // What was said of the change is no longer so.
-            model.message = None;
-            if let Some(forest) = &mut model.forest {
-                forest.undo();
-            }
-            if let Some(tree) = &mut model.tree {
-                tree.undo();
-            }
-        },
+        run: |model, _| undoing::walk(model, true),
     },
     Command {
         id: "redo",
@@ -321,16 +313,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Does again what was undone",
         hint: None,
         hindrance: |model| either(model, Tree::can_redo, ForestOnScreen::can_redo, "nothing was undone"),
-        run: |model, _| {
-            // What was said of the change is no longer so.
-            model.message = None;
-            if let Some(forest) = &mut model.forest {
-                forest.redo();
-            }
-            if let Some(tree) = &mut model.tree {
-                tree.redo();
-            }
-        },
+        run: |model, _| undoing::walk(model, false),
     },
     Command {
         id: "compare",
@@ -376,10 +359,10 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["s"],
         title: "Save as",
-        help: "Saves the tree as a preset of your own",
+        help: "Saves the tree as a preset of your own, a forest as one of yours",
         hint: Some(38),
         hindrance: |model| {
-            without_preset(model).or_else(|| {
+            without_form(model).or_else(|| {
                 model
                     .config
                     .dirs
@@ -390,6 +373,9 @@ pub const COMMANDS: &[Command] = &[
         },
         run: |model, _| {
             model.end_comparison();
+            if let Some(line) = ForestSaveLine::new(model) {
+                return model.dialogs.open(line);
+            }
             let Some(tree) = &model.tree else { return };
             let line = SaveLine::new(tree, &save::proposed(model));
             model.dialogs.open(line);
@@ -413,7 +399,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["E"],
         title: "Edit in $EDITOR",
-        help: "Opens the grammar in $EDITOR, or the file of a preset of your own that has none",
+        help: "Opens the grammar in $EDITOR, or the file of a preset of your own that has none, after it asked whether changes are saved into it first",
         hint: None,
         hindrance: |model| match &model.tree {
             Some(tree) if tree.grammar().is_none() => file_to_edit(tree).err(),
@@ -422,6 +408,9 @@ pub const COMMANDS: &[Command] = &[
         run: |model, effects| {
             let Some(tree) = &model.tree else { return };
             match file_to_edit(tree) {
+                Ok(path) if tree.grammar().is_none() && tree.is_modified() && save::is_document(&path) => {
+                    model.dialogs.open(SaveFirstLine::new(path));
+                }
                 Ok(path) if tree.grammar().is_none() => effects.push(Effect::EditFile(path)),
                 _ => grammar::hand_over(model, effects),
             }

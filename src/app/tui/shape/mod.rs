@@ -10,8 +10,10 @@ pub mod grammar;
 mod kinds;
 pub mod nudge;
 pub mod save;
+mod save_first;
 pub mod save_lines;
 mod text;
+mod undoing;
 pub mod value;
 pub mod view;
 
@@ -420,3 +422,5 @@ mod kind_tests;
 mod save_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod undoing_tests;

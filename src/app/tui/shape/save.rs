@@ -26,9 +26,13 @@ const MOST_BYTES: u64 = 16 << 20;
 /// the first number that is free.
 pub fn proposed(model: &Model) -> String {
     let Some(tree) = &model.tree else { return String::new() };
-    let id = &tree.preset().id;
-    if file_of(model, id).is_some_and(|path| tree.place == TreePlace::File(path)) {
-        return id.clone();
+    proposed_for(model, &tree.preset().id, &tree.place)
+}
+
+/// The same for what has an id and comes from a place: a forest, too.
+pub fn proposed_for(model: &Model, id: &str, from: &TreePlace) -> String {
+    if file_of(model, id).is_some_and(|path| *from == TreePlace::File(path)) {
+        return id.to_owned();
     }
     // What was numbered already goes on counting: fir-2, fir-3.
     let stem = match id.rsplit_once('-') {
@@ -240,6 +244,25 @@ pub fn write(
             Err(error.to_string())
         }
     }
+}
+
+/// Whether a file is a preset's document by its name.
+pub fn is_document(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"))
+}
+
+/// Writes what was changed of a preset into the file that it was read from, and gives what `Msg::Saved` says.
+///
+/// # Errors
+/// What is wrong. The file is as it was.
+pub fn write_back(path: &Path, recipe: &Recipe) -> Result<(String, PathBuf), String> {
+    let failed = |why: String| format!("saving into {}: {why}; it was not opened", show(path));
+    let text = document_of(&TreePlace::File(path.to_owned()))
+        .ok_or_else(|| failed("it cannot be read as a preset".to_owned()))?;
+    let text = recipe.preset.edit_toml(&text).map_err(|error| failed(error.to_string()))?;
+    files::write(path, text.as_bytes(), Readers::Umask, Existing::Replace)
+        .map_err(|error| failed(error.to_string()))?;
+    Ok((recipe.preset.id.clone(), path.to_owned()))
 }
 
 /// Writes all files or none; their owner has agreed that they replace those that are there.

@@ -146,7 +146,7 @@ impl FormBench {
 
     /// Takes a user's preset into the list.
     pub fn list(&mut self, dir: &std::path::Path) {
-        self.model.library.set_user(crate::config::presets::list(dir, &Quiet).0);
+        self.model.library.set_user(crate::config::presets::list(dir, &Quiet).0, None);
     }
 }
 

@@ -322,6 +322,10 @@ fn reroll(model: &mut Model, on: bool) {
     let Some(seed) = seed(model) else { return };
     let next = if on { seed.checked_add(1) } else { seed.checked_sub(1) };
     if let Some(next) = next {
+        // Each is a tree to come back to, however fast one goes through them.
+        if let Some(tree) = &mut model.tree {
+            tree.begin_step();
+        }
         shape::turn(model, SEED, &next.to_string());
         model.say(format!("seed {next}"));
     }

@@ -1,0 +1,100 @@
+//! Changed trees whose files go away.
+
+use std::path::Path;
+
+use linden::Quiet;
+
+use crate::tui::effect::Effect;
+use crate::tui::layout::Pane;
+use crate::tui::testing::form::{FormBench, text};
+use crate::tui::tree::TreePlace;
+use crate::tui::update::Msg;
+
+const DOCUMENT: &str = "id = \"mine\"\n[colonization]\ncrown = \"sphere\"\npoints = 200\n";
+
+/// The user's presets are read again, as the runtime does after a change.
+fn relist(bench: &mut FormBench, dir: &Path) {
+    let (presets, complaints) = crate::config::presets::list(&dir.join("presets"), &Quiet);
+    bench.send(Msg::Presets(presets, complaints));
+}
+
+#[test]
+fn a_changed_tree_stays_in_the_list_when_its_file_goes() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("presets/mine.toml");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(&path, DOCUMENT).unwrap();
+    let place = TreePlace::File(path.clone());
+    let mut bench = FormBench::at(place.clone(), dir.path().to_owned());
+    relist(&mut bench, dir.path());
+    bench.model.library.select_place(&place);
+    bench.on("points").keys("right");
+    let turned = bench.value("points");
+    std::fs::remove_file(&path).unwrap();
+    relist(&mut bench, dir.path());
+    assert_eq!(bench.model.library.entry().map(|entry| &entry.place), Some(&place));
+    let (buffer, _) = bench.paint(140, 60);
+    assert!(text(&buffer).contains("! mine"), "{}", text(&buffer));
+    // Another one, and back.
+    bench.model.library.select_place(&TreePlace::Builtin("fir"));
+    let mut effects = Vec::new();
+    super::show_selected(&mut bench.model, &mut effects);
+    let fir = crate::source::forest::AnySource::read(Path::new("fir"), &Quiet).unwrap();
+    bench.send(Msg::Loaded(TreePlace::Builtin("fir"), Ok(fir)));
+    relist(&mut bench, dir.path());
+    bench.keys(";");
+    assert_eq!((&bench.tree().place, bench.value("points")), (&place, turned.clone()));
+    // Saved anew it is as any other.
+    let saved =
+        crate::tui::shape::save::write(path.parent().unwrap(), "mine", &place, bench.tree().recipe(), true);
+    bench.send(Msg::Saved(saved));
+    relist(&mut bench, dir.path());
+    assert!(std::fs::read_to_string(&path).unwrap().contains(&turned));
+    assert_eq!(bench.model.library.entry().map(|entry| (&entry.place, &entry.fault)), Some((&place, &None)));
+}
+
+#[test]
+fn one_that_is_as_saved_goes_with_its_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("presets/mine.toml");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(&path, DOCUMENT).unwrap();
+    let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
+    relist(&mut bench, dir.path());
+    let listed = bench.model.library.len();
+    std::fs::remove_file(&path).unwrap();
+    relist(&mut bench, dir.path());
+    assert_eq!(bench.model.library.len(), listed - 1);
+}
+
+#[test]
+fn a_preset_is_removed_after_a_question() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("presets/mine.toml");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(&path, DOCUMENT).unwrap();
+    let place = TreePlace::File(path.clone());
+    let mut bench = FormBench::at(place.clone(), dir.path().to_owned());
+    relist(&mut bench, dir.path());
+    bench.model.focus_on(Pane::Presets);
+    bench.model.library.select_place(&TreePlace::Builtin("fir"));
+    bench.keys("delete");
+    assert!(bench.said().contains("built in"), "{}", bench.said());
+    bench.model.library.select_place(&place);
+    bench.keys("n delete");
+    let (buffer, _) = bench.paint(120, 40);
+    assert!(
+        text(&buffer).contains("remove 'mine'? y or n") && text(&buffer).contains("are lost"),
+        "{}",
+        text(&buffer)
+    );
+    bench.keys("enter n");
+    assert!(bench.effects.is_empty() && bench.model.dialogs.is_empty());
+    bench.keys("delete y");
+    assert!(matches!(bench.effects.pop(), Some(Effect::Remove(other)) if other == path));
+    let kept = crate::config::presets::put_away(&path).unwrap();
+    bench.send(Msg::Removed(Ok((path, kept))));
+    relist(&mut bench, dir.path());
+    assert!(bench.model.library.places().all(|(_, other)| *other != place) && bench.model.tree.is_none());
+    assert!(bench.effects.iter().any(|effect| matches!(effect, Effect::Load(_))), "its neighbour is shown");
+}

@@ -1,0 +1,87 @@
+//! Undo and redo: what each of them changed is said, and the cursor goes there.
+
+use linden::preset::Preset;
+
+use crate::tui::model::{FormSpot, Model};
+use crate::tui::tree::grammar_of;
+use crate::wrap::clipped;
+
+/// Cells of a value in what is said.
+const VALUE: usize = 24;
+
+/// What differs after a step.
+struct Difference {
+    /// In words: `seed 3 → 1`.
+    words: String,
+    /// Where it is in the form.
+    spot: FormSpot,
+}
+
+/// Takes the last change back, or makes it again.
+pub fn walk(model: &mut Model, is_undo: bool) {
+    let differences = match (&mut model.forest, &mut model.tree) {
+        (Some(forest), _) => {
+            let before = forest.wanted().clone();
+            if is_undo {
+                forest.undo();
+            } else {
+                forest.redo();
+            }
+            let pairs = before.layout.knobs().zip(forest.wanted().layout.knobs());
+            let turned = pairs.filter(|((_, was), (_, is))| was != is);
+            turned
+                .map(|((row, was), (_, is))| knob(row.knob.name, &was.to_string(), &is.to_string()))
+                .collect()
+        }
+        (None, Some(tree)) => {
+            let before = tree.recipe().clone();
+            if is_undo {
+                tree.undo();
+            } else {
+                tree.redo();
+            }
+            differences(&before.preset, tree.preset())
+        }
+        (None, None) => return,
+    };
+    let verb = if is_undo { "undone" } else { "done again" };
+    let Some((first, rest)) = differences.split_first() else {
+        return model.say(verb);
+    };
+    model.form.selected = Some(first.spot);
+    model.say(match rest {
+        [] => format!("{verb}: {}", first.words),
+        [second] => format!("{verb}: {}, {}", first.words, second.words),
+        [second, rest @ ..] => format!("{verb}: {}, {} and {} more", first.words, second.words, rest.len()),
+    });
+}
+
+fn knob(name: &'static str, was: &str, is: &str) -> Difference {
+    let words = format!("{name} {} → {}", clipped(was, VALUE), clipped(is, VALUE));
+    Difference { words, spot: FormSpot::Knob(name) }
+}
+
+/// What differs, in the order of the form.
+fn differences(before: &Preset, after: &Preset) -> Vec<Difference> {
+    let mut found = Vec::new();
+    if grammar_of(before) != grammar_of(after) {
+        found.push(Difference { words: "the grammar".to_owned(), spot: FormSpot::Rule(0) });
+    }
+    for (row, _) in after.all_knobs() {
+        if before.differs(&row, after) {
+            // A choice brings knobs along, which were not there.
+            let [was, is] =
+                [before, after].map(|preset| preset.text_of(&row).unwrap_or_else(|| "none".to_owned()));
+            found.push(knob(row.knob.name, &was, &is));
+        }
+    }
+    if before.edits != after.edits {
+        let same = before.edits.iter().zip(&after.edits).take_while(|(was, is)| was == is).count();
+        let last = after.edits.len().saturating_sub(1);
+        found.push(Difference {
+            words: "the edits of the wood".to_owned(),
+            spot: FormSpot::Edit(same.min(last)),
+        });
+    }
+    found
+}
