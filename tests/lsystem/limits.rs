@@ -31,8 +31,8 @@ fn an_explosion_is_refused_with_what_would_fit() {
     );
     assert_eq!(
         error.to_string(),
-        "60 derivations would give exactly 1.2e18 symbols, more than the limit of 50000000: \
-         use 25 derivations or fewer, or raise the limit"
+        "60 derivations would give about 1.2e18 symbols, more than the limit of 50000000: \
+         use 25 derivations or fewer, or raise symbol_limit"
     );
     // What it names does fit, and one more does not.
     let small = |derivations| TurtleSettings { symbol_limit: 1000, ..settings(derivations) };
@@ -94,17 +94,49 @@ fn a_shrub_that_grows_past_the_limit_is_told_with_what_was_asked_for() {
     let past: Vec<_> = (0..100).filter_map(|seed| of(seed).err().map(|error| (seed, error))).collect();
     assert!(past.len() > 10);
     for (seed, error) in past {
-        assert_eq!(error, LsystemError::GrewPastLimit { derivations: 1, seed: Some(seed), limit: 500 });
+        let (derivations, limit, fits) = (1, 500, None);
+        assert_eq!(error, LsystemError::GrewPastLimit { derivations, seed: Some(seed), limit, fits });
     }
 }
 
 #[test]
+fn a_system_with_contexts_says_how_many_derivations_were_within_the_limit() {
+    // Too long for the forecast to count.
+    let grammar = Grammar::new("BA", &["A -> AA", "B < A -> AA"]).unwrap();
+    let of =
+        |n| grow(&grammar, &TurtleSettings { symbol_limit: 1 << 17, ..settings(n) }, &Quiet).unwrap_err();
+    let (seed, limit) = (None, 1 << 17);
+    assert_eq!(of(20), LsystemError::GrewPastLimit { derivations: 20, seed, limit, fits: Some(16) });
+    assert!(matches!(of(16), LsystemError::NothingDrawn { .. }), "what it names does fit");
+}
+
+#[test]
 fn nothing_to_draw_is_an_error() {
+    let nothing = |derivations| LsystemError::NothingDrawn { derivations, has_organs: false };
     let grammar = Grammar::new("X", &["X -> F[+X]"]).unwrap();
-    assert_eq!(grow(&grammar, &settings(0), &Quiet), Err(LsystemError::NothingDrawn { derivations: 0 }));
+    assert_eq!(grow(&grammar, &settings(0), &Quiet), Err(nothing(0)));
     assert!(grow(&grammar, &settings(1), &Quiet).is_ok());
     let grammar = Grammar::new("F", &["F -> f"]).unwrap();
-    assert_eq!(grow(&grammar, &settings(1), &Quiet), Err(LsystemError::NothingDrawn { derivations: 1 }));
+    assert_eq!(grow(&grammar, &settings(1), &Quiet), Err(nothing(1)));
+}
+
+/// More derivations never help polygons and organs that stand on nothing.
+#[test]
+fn organs_without_wood_are_told_what_they_need() {
+    for (axiom, rules) in [("X", &["X -> {f+f+f}X"][..]), ("X", &["X -> {F+F+F}"]), ("~L", &[])] {
+        let error = grow(&Grammar::new(axiom, rules).unwrap(), &settings(1), &Quiet).unwrap_err();
+        assert_eq!(error, LsystemError::NothingDrawn { derivations: 1, has_organs: true }, "{axiom}");
+        assert!(
+            error.to_string().ends_with("they need wood to stand on: begin the axiom with F(1)"),
+            "{error}"
+        );
+        let standing = Grammar::new(&format!("F(1){axiom}"), rules).unwrap();
+        assert!(grow(&standing, &settings(1), &Quiet).is_ok(), "{axiom}");
+    }
+    // Before the rule that writes them there are none.
+    let grammar = Grammar::new("X", &["X -> F{f+f+f}"]).unwrap();
+    let nothing = LsystemError::NothingDrawn { derivations: 0, has_organs: false };
+    assert_eq!(grow(&grammar, &settings(0), &Quiet), Err(nothing));
 }
 
 #[test]

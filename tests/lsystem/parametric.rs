@@ -1,6 +1,9 @@
 //! Parameters, conditions, arithmetic and constants.
 
-use linden::lsystem::{Grammar, LsystemError, TurtleSettings, Way, derive_by, derive_string, forecast};
+use linden::Quiet;
+use linden::lsystem::{
+    Grammar, LsystemError, TurtleSettings, Way, derive_by, derive_string, forecast, grow_by, trace,
+};
 
 fn derived(axiom: &str, rules: &[&str], derivations: u32) -> String {
     let grammar = Grammar::new(axiom, rules).unwrap();
@@ -145,11 +148,13 @@ fn numbers_out_of_range_are_named() {
     };
     assert_eq!(
         of("A(3)", "A(x) -> A(x-2)F(x-4)", 1),
-        "derivation 1 gives F(-1): -1 is not 0 to 1000000; mend the rule or use fewer derivations"
+        "rule 1 (A(x) -> A(x-2)F(x-4)): derivation 1 gives F(-1): -1 is not 0 to 1000000; \
+         mend the rule or use fewer derivations"
     );
     assert_eq!(
         of("A(1)", "A(x) -> A(x-1)B(1/x)", 3),
-        "derivation 2 gives B(inf): inf is not a finite number; mend the rule or use fewer derivations"
+        "rule 1 (A(x) -> A(x-1)B(1/x)): derivation 2 gives B(inf): inf is not a finite number; \
+         mend the rule or use fewer derivations"
     );
     assert!(of("A(0-1)", "A(x) -> B(sqrt(x),1)", 1).contains("gives B(NaN,1): NaN is not a finite number"));
     // A length may shrink to nothing.
@@ -210,6 +215,112 @@ fn a_value_error_is_an_error_of_growing() {
     let grammar = Grammar::new("A(1)", &["A(x) -> F(0-x)A(x)"]).unwrap();
     let error =
         derive_string(&grammar, &TurtleSettings { derivations: 1, ..TurtleSettings::default() }).unwrap_err();
-    let LsystemError::Value { module, value, derivation, .. } = error else { panic!("{error}") };
-    assert_eq!((module.as_str(), value, derivation), ("F(-1)", -1.0, 1));
+    let LsystemError::Value { module, value, derivation, .. } = error.cause() else { panic!("{error}") };
+    assert_eq!((module.as_str(), *value, *derivation), ("F(-1)", -1.0, 1));
+}
+
+/// Every way of deriving names the same rule.
+#[test]
+fn what_goes_wrong_while_growing_names_the_rule_that_wrote_it() {
+    let organs = "which names no organ; there are: L (leaf), K (blossom), B (berry), N (needle)";
+    for (axiom, rules, steps, message) in [
+        (
+            "A(1)",
+            &["A(x) -> F(x)A(x-1)", "F(x) -> F(x/0)"][..],
+            2,
+            "rule 2 (F(x) -> F(x/0)): derivation 2 gives F(inf): inf is not a finite number; \
+             mend the rule or use fewer derivations",
+        ),
+        (
+            "FF(1/2-1)",
+            &["F(x) -> FF(x)"],
+            0,
+            "axiom: derivation 0 gives F(-0.5): -0.5 is not 0 to 1000000; mend the rule or use fewer derivations",
+        ),
+        // Written in the first step, and kept ever after.
+        (
+            "AB",
+            &["#define r 2", "A -> A", "B -> F(1)G(r-4)", "G(x) : x > 0 -> F"],
+            5,
+            "rule 3 (B -> F(1)G(r-4)): derivation 1 gives G(-2): -2 is not 0 to 1000000; mend the rule or use fewer derivations",
+        ),
+        (
+            "FX",
+            &["X -> F}", "F -> FF"],
+            3,
+            "rule 1 (X -> F}): a '}' fills a polygon that no '{' has begun: each needs one before it, which no '%' cuts off",
+        ),
+        (
+            "FX",
+            &["X -> [{f]Y", "Y -> {f}F"],
+            3,
+            "rule 1 (X -> [{f]Y): a '{' begins a polygon that no '}' fills: each needs one behind it, which no '%' cuts off",
+        ),
+        (
+            "FX",
+            &["X -> F.F"],
+            1,
+            "rule 1 (X -> F.F): a '.' records a vertex, but no polygon is open: put it between '{' and '}'",
+        ),
+        ("FXY", &["X -> F~", "L -> F"], 1, &format!("rule 1 (X -> F~): '~' is followed by 'Y', {organs}")),
+        (
+            "FX(2)",
+            &["X(x) -> F~L(x-3)"],
+            1,
+            "rule 1 (X(x) -> F~L(x-3)): '~L' is -1 segments large, but must be 0 to 1000000",
+        ),
+    ] {
+        let grammar = Grammar::new(axiom, rules).unwrap();
+        let settings = TurtleSettings { derivations: steps, ..TurtleSettings::default() };
+        for way in [Way::Best, Way::BreadthFirst] {
+            assert_eq!(
+                grow_by(&grammar, &settings, way, &Quiet).unwrap_err().to_string(),
+                message,
+                "{way:?}"
+            );
+        }
+        let undrawn = trace(&grammar, &settings, &Quiet)
+            .map(|word| word.undrawn.unwrap())
+            .unwrap_or_else(|error| error);
+        assert_eq!(undrawn.to_string(), message);
+    }
+}
+
+/// A condition that divides by 0 is neither true nor false. Which side of '&&' asks first does not matter.
+#[test]
+fn a_condition_that_is_no_number_is_an_error() {
+    let at = |axiom: &str, condition: &str, way| {
+        let rules = ["#define r 2".to_owned(), format!("X(a) : {condition} -> F")];
+        let settings = TurtleSettings { derivations: 1, ..TurtleSettings::default() };
+        derive_by(&Grammar::new(axiom, &rules).unwrap(), &settings, way).map(|derived| derived.text)
+    };
+    for way in [Way::Best, Way::BreadthFirst] {
+        for condition in
+            ["1/a > 3", "sqrt(a-1)", "!(1/a > 3)", "a == 0 && 1/a > 3", "a > 0 || log(a) < 1", "1/a == 1/a"]
+        {
+            let error = at("FX(0)", condition, way).unwrap_err();
+            assert!(
+                matches!(error.cause(), LsystemError::Condition { derivation: 1, .. }),
+                "{condition}: {error}"
+            );
+        }
+        let error = at("FX(0)", "1/a > 3", way).unwrap_err().to_string();
+        let message = "rule 2 (X(a) : 1/a>3 -> F): derivation 1 asks its condition of X(0), where it comes to no number: \
+                       ask first what it divides by, as in 'x != 0 && 1/x > 3'";
+        assert_eq!(error, message);
+        for (condition, holds) in [
+            ("a != 0 && 1/a > 3", false),
+            ("1/a > 3 && a != 0", false),
+            ("a == 0 || 1/a > 3", true),
+            ("1/a > 3 || a == 0", true),
+            ("min(a,1) < r && a >= -a", true),
+            ("!a", true),
+        ] {
+            assert_eq!(
+                at("FX(0)", condition, way).unwrap(),
+                if holds { "FF" } else { "FX(0)" },
+                "{condition}"
+            );
+        }
+    }
 }

@@ -97,7 +97,10 @@ fn fewer_than_three_vertices_are_nothing() {
 fn braces_that_do_not_match_are_errors() {
     let error = |axiom: &str| {
         let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
-        grow(&grammar, &TurtleSettings { derivations: 0, ..TurtleSettings::default() }, &Quiet).unwrap_err()
+        let settings = TurtleSettings { derivations: 0, ..TurtleSettings::default() };
+        let error = grow(&grammar, &settings, &Quiet).unwrap_err();
+        assert!(error.to_string().starts_with("axiom: a"), "{error}");
+        error.cause().clone()
     };
     assert_eq!(error("Ff}"), LsystemError::PolygonUnopened);
     assert_eq!(error("F{f"), LsystemError::PolygonUnclosed);

@@ -97,7 +97,9 @@ fn derived(request: &WordRequest, watcher: &Watcher<'_>) -> Result<DerivedWord, 
         LsystemError::Cancelled(_) => None,
         error => {
             let fits = match error {
-                LsystemError::TooManyToTrace { fits, .. } | LsystemError::TooManySymbols { fits, .. } => fits,
+                LsystemError::TooManyToTrace { fits, .. }
+                | LsystemError::TooManySymbols { fits, .. }
+                | LsystemError::GrewPastLimit { fits, .. } => fits,
                 _ => None,
             };
             Some(NoWord { why: error.to_string(), fits })

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::grammar::Grammar;
 use linden_base::knob::printable;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
@@ -181,9 +182,9 @@ pub struct GrammarError {
 pub enum LsystemError {
     /// Refused before deriving.
     #[error(
-        "{derivations} derivations would give {} {} symbols, more than the limit of {limit}: {}",
-        if *.symbols == u128::MAX { "more than" } else if *.exact { "exactly" } else if *.at_least { "at least" } else { "about" },
-        Amount(*.symbols), Advice(*.fits)
+        "{} would give {} {} symbols, more than the limit of {limit}: {}",
+        Derivations(*.derivations), Amount(*.symbols).precision(*.exact, *.at_least), Amount(*.symbols),
+        Advice { derivations: *.derivations, fits: *.fits, otherwise: "raise symbol_limit" }
     )]
     TooManySymbols {
         /// What was asked for.
@@ -201,11 +202,9 @@ pub enum LsystemError {
     },
     /// A word that is too long to be listed with its origins.
     #[error(
-        "{derivations} derivations give more than the {limit} modules that are listed with their origins: {}",
-        match .fits {
-            Some(fits) => format!("use {fits} derivations or fewer, or the string alone"),
-            None => "use fewer derivations, or the string alone".to_owned(),
-        }
+        "after {} there are more than the {limit} modules that are listed with their origins: {}",
+        Derivations(*.derivations),
+        Advice { derivations: *.derivations, fits: *.fits, otherwise: "ask for the string alone" }
     )]
     TooManyToTrace {
         /// What was asked for.
@@ -217,9 +216,13 @@ pub enum LsystemError {
     },
     /// A system grew past the limit although its forecast did not.
     #[error(
-        "{}{derivations} derivations give more than the limit of {limit} symbols: use fewer derivations{} a higher limit",
-        seed.map(|seed| format!("with the seed {seed}, ")).unwrap_or_default(),
-        if seed.is_some() { ", another seed or" } else { " or" }
+        "{}after {} there are more than the limit of {limit} symbols: {}",
+        seed.map(|seed| format!("with the seed {seed}, ")).unwrap_or_default(), Derivations(*.derivations),
+        Advice {
+            derivations: *.derivations,
+            fits: *.fits,
+            otherwise: if seed.is_some() { "another seed, or raise symbol_limit" } else { "raise symbol_limit" },
+        }
     )]
     GrewPastLimit {
         /// What was asked for.
@@ -228,6 +231,28 @@ pub enum LsystemError {
         seed: Option<u64>,
         /// [`TurtleSettings::symbol_limit`](super::TurtleSettings::symbol_limit).
         limit: u64,
+        /// The most derivations that were within the limit; unknown where the string is derived depth first.
+        fits: Option<u32>,
+    },
+    /// What went wrong with a module, and who wrote it.
+    #[error("{writer}: {error}")]
+    Written {
+        /// The axiom or a rule.
+        writer: Writer,
+        /// What went wrong.
+        #[source]
+        error: Box<Self>,
+    },
+    /// A condition comes to no number.
+    #[error(
+        "derivation {derivation} asks its condition of {module}, where it comes to no number: ask first what it divides by, \
+         as in 'x != 0 && 1/x > 3'"
+    )]
+    Condition {
+        /// The module with its arguments.
+        module: String,
+        /// The step that asks.
+        derivation: u32,
     },
     /// An argument that a rule computed is no number, or one that the turtle cannot take.
     #[error(
@@ -246,8 +271,8 @@ pub enum LsystemError {
     },
     /// More branches or polygons open at once than [`MAX_NESTING`](super::MAX_NESTING).
     #[error(
-        "{derivations} derivations nest branches or polygons more than {limit} deep, which is no tree: \
-         use fewer derivations"
+        "after {} branches or polygons nest more than {limit} deep, which is no tree: use fewer derivations",
+        Derivations(*.derivations)
     )]
     NestedTooDeeply {
         /// What was asked for.
@@ -257,17 +282,24 @@ pub enum LsystemError {
     },
     /// The string holds no symbol that draws.
     #[error(
-        "after {derivations} derivations the string has no F or G outside polygons, so there is nothing to draw: \
-         use more derivations, or a rule that gives F"
+        "after {} the string has {}",
+        Derivations(*.derivations),
+        if *.has_organs {
+            "polygons or organs, but no F or G outside polygons, and they need wood to stand on: begin the axiom with F(1)"
+        } else {
+            "no F or G outside polygons, so there is nothing to draw: use more derivations, or a rule that gives F"
+        }
     )]
     NothingDrawn {
         /// What was asked for.
         derivations: u32,
+        /// Whether there are polygons or organs.
+        has_organs: bool,
     },
     /// `stems` plants together would be more than the limit.
     #[error(
         "{stems} stems of {} symbols each are more than the limit of {limit}: use fewer stems or derivations, \
-         or raise the limit", Amount(*.symbols)
+         or raise symbol_limit", Amount(*.symbols)
     )]
     TooManyStems {
         /// [`Stems::Several`](super::Stems::Several)'s.
@@ -295,7 +327,7 @@ pub enum LsystemError {
         limit: usize,
     },
     /// What stands behind a `~` is not in the table of organs.
-    #[error("'~' is followed by {}, which names no organ; there are: {}", Found(*.found), Organs)]
+    #[error("{}", NoOrgan(*.found))]
     UnknownOrgan {
         /// The symbol; `None` at the end of the string.
         found: Option<char>,
@@ -328,19 +360,56 @@ pub enum LsystemError {
     Cancelled(#[from] Cancelled),
 }
 
-struct Found(Option<char>);
+/// The axiom or a rule, as a message names it: `rule 2 (F(x) -> F(x/0))`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Writer {
+    /// The rule's place in [`Grammar::productions`]; none for the axiom.
+    pub production: Option<u32>,
+    /// Empty until it is known of which grammar the error is.
+    shown: String,
+}
 
-impl fmt::Display for Found {
+impl fmt::Display for Writer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.0.map_or("nothing".into(), quoted))
+        f.write_str(&self.shown)
     }
 }
 
-/// The table, as a message has it.
-struct Organs;
+impl LsystemError {
+    /// The same, with the production that wrote what is wrong, or the axiom.
+    pub(super) fn by(self, production: Option<u32>) -> Self {
+        let writer = Writer { production, shown: String::new() };
+        Self::Written { writer, error: Box::new(self) }
+    }
 
-impl fmt::Display for Organs {
+    /// The same, with the text of the rule.
+    pub(super) fn of(mut self, grammar: &Grammar) -> Self {
+        if let Self::Written { writer, .. } = &mut self {
+            writer.shown = match writer.production {
+                None => GrammarPart::Axiom.to_string(),
+                Some(production) => grammar.rule_shown(production as usize),
+            };
+        }
+        self
+    }
+
+    /// What went wrong, without who wrote it.
+    pub fn cause(&self) -> &Self {
+        match self {
+            Self::Written { error, .. } => error,
+            other => other,
+        }
+    }
+}
+
+/// What stands behind a `~` and names no organ, with those that there are.
+struct NoOrgan(Option<char>);
+
+impl fmt::Display for NoOrgan {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let found = self.0.map_or("nothing".into(), quoted);
+        write!(f, "'~' is followed by {found}, which names no organ; there are: ")?;
         for (i, prototype) in PROTOTYPES.iter().enumerate() {
             write!(f, "{}{} ({})", if i == 0 { "" } else { ", " }, prototype.letter, prototype.name)?;
         }
@@ -348,14 +417,38 @@ impl fmt::Display for Organs {
     }
 }
 
+/// A number of derivations, with its noun.
+struct Derivations(u32);
+
+impl fmt::Display for Derivations {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} derivation{}", self.0, if self.0 == 1 { "" } else { "s" })
+    }
+}
+
 /// A count of symbols; from 10¹⁵ on with two digits and a power of ten.
 struct Amount(u128);
+
+impl Amount {
+    /// From here on it is rounded.
+    const ROUNDED: u128 = 1_000_000_000_000_000;
+
+    /// How precise the count that is shown is.
+    fn precision(&self, is_exact: bool, is_at_least: bool) -> &'static str {
+        match self.0 {
+            u128::MAX => "more than",
+            _ if is_at_least => "at least",
+            n if is_exact && n < Self::ROUNDED => "exactly",
+            _ => "about",
+        }
+    }
+}
 
 impl fmt::Display for Amount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             u128::MAX => f.write_str("3e38"),
-            n if n >= 1_000_000_000_000_000 => write!(f, "{:.1e}", n as f64),
+            n if n >= Self::ROUNDED => write!(f, "{:.1e}", n as f64),
             n => write!(f, "{n}"),
         }
     }
@@ -374,13 +467,24 @@ impl fmt::Display for Short {
     }
 }
 
-struct Advice(Option<u32>);
+/// What to do about a string that is too long.
+struct Advice {
+    /// What was asked for.
+    derivations: u32,
+    /// The most that fit.
+    fits: Option<u32>,
+    /// What helps besides.
+    otherwise: &'static str,
+}
 
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            Some(fits) => write!(f, "use {fits} derivations or fewer, or raise the limit"),
-            None => f.write_str("use fewer derivations, shorten the axiom, or raise the limit"),
+        let Self { derivations, fits, otherwise } = *self;
+        match (derivations, fits) {
+            (0, _) => write!(f, "shorten the axiom, or {otherwise}"),
+            (_, Some(0)) => write!(f, "only the axiom fits; shorten the rules, or {otherwise}"),
+            (_, Some(fits)) => write!(f, "use {} or fewer, or {otherwise}", Derivations(fits)),
+            (_, None) => write!(f, "use fewer derivations, or {otherwise}"),
         }
     }
 }
@@ -406,5 +510,53 @@ mod tests {
         };
         let start = "1000 derivations would give more than 3e38 symbols, more than the limit of 100";
         assert!(endless.to_string().starts_with(start), "{endless}");
+    }
+
+    #[test]
+    fn what_is_too_much_is_told_with_what_can_be_done() {
+        let said = |derivations, symbols, fits| {
+            let (exact, at_least, limit) = (true, false, 100);
+            let error = LsystemError::TooManySymbols { derivations, symbols, exact, at_least, limit, fits };
+            error.to_string()
+        };
+        let tail = "symbols, more than the limit of 100";
+        for (error, message) in [
+            (
+                said(9, 512, Some(6)),
+                format!(
+                    "9 derivations would give exactly 512 {tail}: use 6 derivations or fewer, or raise symbol_limit"
+                ),
+            ),
+            (
+                said(100, 23 * 10_u128.pow(27), Some(1)),
+                format!(
+                    "100 derivations would give about 2.3e28 {tail}: use 1 derivation or fewer, or raise symbol_limit"
+                ),
+            ),
+            (
+                said(1, 200, Some(0)),
+                format!(
+                    "1 derivation would give exactly 200 {tail}: only the axiom fits; shorten the rules, or raise symbol_limit"
+                ),
+            ),
+            (
+                said(0, 200, None),
+                format!(
+                    "0 derivations would give exactly 200 {tail}: shorten the axiom, or raise symbol_limit"
+                ),
+            ),
+            (
+                said(1, 200, None),
+                format!(
+                    "1 derivation would give exactly 200 {tail}: use fewer derivations, or raise symbol_limit"
+                ),
+            ),
+        ] {
+            assert_eq!(error, message);
+        }
+        let grew = LsystemError::GrewPastLimit { derivations: 8, seed: Some(3), limit: 100, fits: Some(5) };
+        let message = "with the seed 3, after 8 derivations there are more than the limit of 100 symbols: \
+                       use 5 derivations or fewer, or another seed, or raise symbol_limit";
+        assert_eq!(grew.to_string(), message);
     }
 }

@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write as _};
 
+use linden_base::knob::excerpt;
+
+use super::error::GrammarPart;
 pub use super::expression::Expression;
 
 /// A bracketed L-system: deterministic or stochastic, with or without parameters, conditions and
@@ -150,6 +153,16 @@ impl Grammar {
     /// The line of a rule in this grammar as it is shown, from 1 for the axiom.
     pub fn line_of(&self, production: usize) -> usize {
         2 + self.definitions.len() + usize::from(!self.ignored.is_empty()) + production
+    }
+
+    /// A rule as messages name it, `rule 2 (F -> FF)`. It is counted as [`Grammar::new`] counts lines that begin with all
+    /// directives.
+    pub(super) fn rule_shown(&self, production: usize) -> String {
+        let part = GrammarPart::Rule(self.line_of(production) - 2);
+        match self.productions.get(production) {
+            Some(rule) => format!("{part} ({})", excerpt(rule.to_string().trim_end())),
+            None => part.to_string(),
+        }
     }
 }
 

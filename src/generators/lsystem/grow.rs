@@ -1,6 +1,6 @@
 //! Growing: from a grammar and settings to a branching structure, within limits.
 
-use super::derive::{Way, derive};
+use super::derive::{Way, derive, with_writer};
 use super::error::LsystemError;
 use super::flat::{Flat, Walker};
 use super::forecast::{self, Forecast};
@@ -98,10 +98,10 @@ pub fn grow_by(
 ) -> Result<Drawn, LsystemError> {
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
-    let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
-    // An expectation may be rounded to nothing.
-    if forecast.segments == 0 && forecast.exact {
-        return Err(nothing);
+    let nothing = |has_organs| LsystemError::NothingDrawn { derivations: settings.derivations, has_organs };
+    // An expectation may be rounded to nothing; whether there are organs the turtle finds out.
+    if forecast.segments == 0 && forecast.exact && !program.writes_organs() {
+        return Err(nothing(false));
     }
     let (stems, lean_deg) = settings.stems();
     let limit = settings.symbol_limit;
@@ -136,19 +136,24 @@ pub fn grow_by(
         // Chance may make each longer than it is expected to be; together they stay within the limit.
         let stem_settings = TurtleSettings { seed, symbol_limit: limit - symbols, ..*settings };
         turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
-        symbols += derive(&program, &stem_settings, way, total, monitor, &mut turtle).map_err(|error| {
+        let derived = derive(&program, &stem_settings, way, total, monitor, &mut turtle);
+        let drawn = derived.and_then(|count| turtle.finish().map(|()| count));
+        symbols += drawn.map_err(|error| {
             // Users know their own seed and limit, not those of a stem.
             match error {
-                LsystemError::GrewPastLimit { derivations, seed, .. } => {
-                    LsystemError::GrewPastLimit { derivations, seed: seed.map(|_| settings.seed), limit }
+                LsystemError::GrewPastLimit { derivations, seed, fits, .. } => {
+                    let seed = seed.map(|_| settings.seed);
+                    LsystemError::GrewPastLimit { derivations, seed, limit, fits }
                 }
-                other => other,
+                other => with_writer(other, &program, &stem_settings, monitor).of(grammar),
             }
         })?;
-        turtle.finish()?;
     }
     let (branching, organs) = turtle.into_parts();
-    if branching.positions.is_empty() { Err(nothing) } else { Ok(Drawn { branching, organs, symbols }) }
+    if branching.positions.is_empty() {
+        return Err(nothing(!organs.is_empty()));
+    }
+    Ok(Drawn { branching, organs, symbols })
 }
 
 impl TurtleSettings {

@@ -57,7 +57,7 @@ mod variation;
 pub use define::DefineError;
 pub use derive::trace::{MAX_TRACED, Traced, TracedModule, trace};
 pub use derive::{Derived, Way, derive_by, derive_string};
-pub use error::{GrammarError, GrammarPart, LsystemError, Problem};
+pub use error::{GrammarError, GrammarPart, LsystemError, Problem, Writer};
 pub use exposed::{ExposeError, Exposed, MOST_EXPOSED};
 pub use forecast::{Forecast, forecast};
 pub use generator::GENERATOR;

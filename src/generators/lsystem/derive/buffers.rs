@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::slot::Slot;
-use super::{Outlet, Sink, root};
+use super::{Outlet, Sink, bad_condition, root};
 use crate::context::{Modules, Neighbours, rest_of_branch};
 use crate::error::LsystemError;
 use crate::program::{Entry, Group, Program, Word};
@@ -217,12 +217,14 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
     let mut string = axiom(program, settings)?;
     let mut lists = Lists::default();
     for number in 1..last {
+        outlet.within_limit = Some(number - 1);
         outlet.monitor.check()?;
         let step = Step::choose(program, &string, &mut lists, number, outlet.monitor)?;
         let next = step.apply(outlet)?;
         lists.spare = std::mem::replace(&mut string, next);
         outlet.monitor.advance(Phase::Derive, string.modules.len() as u64, None);
     }
+    outlet.within_limit = Some(last - 1);
     lists.spare = Buffer::default();
     outlet.sink.hold_beside(string.size().bytes(program));
     let step = Step::choose(program, &string, &mut lists, last, outlet.monitor)?;
@@ -259,7 +261,11 @@ impl<'a> View<'a> {
         let mut chosen = Chosen { size: Size::default(), cuts: false };
         let mut work = 0;
         for (index, choice) in (first..).zip(choices) {
-            *choice = match self.matching(index, &mut bound[at..], &mut work) {
+            let matching = self.matching(index, &mut bound[at..], &mut work).map_err(|group| {
+                let module = (self.text.id(index), self.text.arguments(index));
+                bad_condition(program, group, module, self.number)
+            })?;
+            *choice = match matching {
                 None => {
                     chosen.size += self.size_of_kept(index);
                     KEEP
@@ -294,19 +300,36 @@ impl<'a> View<'a> {
     }
 
     /// The first group that takes a module. If it has contexts, its parameters are then at the begin of `bound`.
+    ///
+    /// # Errors
+    /// The group whose condition comes to no number.
     #[inline]
-    fn matching(&self, index: usize, bound: &mut [f64], work: &mut u64) -> Option<&'a Group> {
+    fn matching(
+        &self,
+        index: usize,
+        bound: &mut [f64],
+        work: &mut u64,
+    ) -> Result<Option<&'a Group>, &'a Group> {
         let program = self.text.program;
-        let rewrite = program.rewrite(self.text.buffer.modules[index])?;
-        program.groups(rewrite).iter().find(|group| {
+        let Some(rewrite) = program.rewrite(self.text.buffer.modules[index]) else { return Ok(None) };
+        for group in program.groups(rewrite) {
             *work += 1 + u64::from(group.cost);
-            if !group.has_context() {
-                return program.holds(group, self.text.arguments(index), self.key(index), self.number);
+            let holds = if group.has_context() {
+                let parameters = &mut bound[..group.parameters];
+                if !self.neighbours.surround(group, &self.text, index, parameters, work) {
+                    continue;
+                }
+                program.holds(group, parameters, self.key(index), self.number)
+            } else {
+                program.holds(group, self.text.arguments(index), self.key(index), self.number)
+            };
+            match holds {
+                Some(true) => return Ok(Some(group)),
+                Some(false) => {}
+                None => return Err(group),
             }
-            let parameters = &mut bound[..group.parameters];
-            self.neighbours.surround(group, &self.text, index, parameters, work)
-                && program.holds(group, parameters, self.key(index), self.number)
-        })
+        }
+        Ok(None)
     }
 }
 

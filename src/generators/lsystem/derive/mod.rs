@@ -14,12 +14,13 @@ use super::command::Command;
 use super::error::LsystemError;
 use super::expression::code::Inputs;
 use super::grammar::Grammar;
-use super::program::{Call, Program, Word};
+use super::program::{Call, Group, Program, Word};
 use super::turtle_settings::TurtleSettings;
 use linden_base::monitor::{Monitor, Phase, Quiet};
 use linden_base::random::Key;
 
 pub(super) use buffers::{Trial, count};
+pub(super) use trace::with_writer;
 
 /// How much is done between two looks at the monitor: about a millisecond.
 const PATIENCE: u64 = 1 << 16;
@@ -102,7 +103,8 @@ pub fn derive_by(grammar: &Grammar, settings: &TurtleSettings, way: Way) -> Resu
     let names = program.modules.iter().map(ToString::to_string).collect();
     let mut written = Written { program: &program, names, derived: Derived::default() };
     let total = forecast.exact.then_some(forecast.symbols as u64);
-    derive(&program, settings, way, total, &Quiet, &mut written)?;
+    derive(&program, settings, way, total, &Quiet, &mut written)
+        .map_err(|error| with_writer(error, &program, settings, &Quiet).of(grammar))?;
     Ok(written.derived)
 }
 
@@ -173,6 +175,18 @@ fn compute(
     if is_finite { Ok(()) } else { Err(bad_value(program, id, values, birth)) }
 }
 
+/// What to say about the condition of a group that comes to no number for a module.
+#[cold]
+fn bad_condition(
+    program: &Program,
+    group: &Group,
+    (id, arguments): (u32, &[f64]),
+    derivation: u32,
+) -> LsystemError {
+    let module = program.modules[id as usize].with(arguments);
+    LsystemError::Condition { module, derivation }.by(program.first_production(group))
+}
+
 /// What to say about an argument that is no number, or out of the turtle's range.
 #[cold]
 fn bad_value(program: &Program, id: u32, arguments: &[f64], derivation: u32) -> LsystemError {
@@ -198,6 +212,8 @@ struct Outlet<'a, S> {
     given: u64,
     /// Work since the last look at the monitor, in symbols.
     spent: u64,
+    /// The last step whose string is known to be within the limit.
+    within_limit: Option<u32>,
 }
 
 impl<'a, S: Sink> Outlet<'a, S> {
@@ -209,7 +225,7 @@ impl<'a, S: Sink> Outlet<'a, S> {
         sink: &'a mut S,
     ) -> Self {
         let ranges = program.commands().map(|(command, _)| Command::computed_range(command)).collect();
-        Self { program, settings, total, monitor, ranges, sink, given: 0, spent: 0 }
+        Self { program, settings, total, monitor, ranges, sink, given: 0, spent: 0, within_limit: None }
     }
 
     /// Modules with constant arguments.
@@ -265,7 +281,8 @@ impl<'a, S: Sink> Outlet<'a, S> {
             let id = modules[at];
             self.spend(call.cost.into())?;
             scratch.resize(program.modules[id as usize].arity as usize, 0.0);
-            compute(program, (id, call), inputs, scratch, birth)?;
+            compute(program, (id, call), inputs, scratch, birth)
+                .map_err(|error| error.by(program.production_of(word)))?;
             self.apply(id, scratch, birth)?;
             next = at + 1;
         }
@@ -280,7 +297,8 @@ impl<'a, S: Sink> Outlet<'a, S> {
     #[cold]
     fn past_limit(&self) -> LsystemError {
         let TurtleSettings { derivations, seed, symbol_limit: limit, .. } = *self.settings;
-        LsystemError::GrewPastLimit { derivations, seed: self.program.random.then_some(seed), limit }
+        let seed = self.program.random.then_some(seed);
+        LsystemError::GrewPastLimit { derivations, seed, limit, fits: self.within_limit }
     }
 
     #[inline]

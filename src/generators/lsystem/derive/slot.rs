@@ -60,7 +60,8 @@ impl Slot<'_> {
             let id = modules[at];
             self.put(id, birth, key(at));
             let end = self.next_value + program.formulas(call).len();
-            compute(program, (id, call), inputs, &mut self.values[self.next_value..end], birth)?;
+            compute(program, (id, call), inputs, &mut self.values[self.next_value..end], birth)
+                .map_err(|error| error.by(program.production_of(word)))?;
             self.next_value = end;
             done = at + 1;
         }

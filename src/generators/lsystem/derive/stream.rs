@@ -4,7 +4,7 @@
 //! that its formulas look at on a stack beside it; each module of the last string is handed on when
 //! it is reached. Memory is in proportion to the derivations, and nothing is allocated per module.
 
-use super::{Outlet, Sink, chance, compute, root};
+use super::{Outlet, Sink, bad_condition, chance, compute, root};
 use crate::error::LsystemError;
 use crate::expression::code::Inputs;
 use crate::program::{Program, Word};
@@ -93,7 +93,8 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
             values.resize(top + entry.arity as usize, 0.0);
             let (known, new) = values.split_at_mut(top);
             let inputs = Inputs { parameters: &known[parameters..], key: chance(program, key) };
-            compute(program, (id, call), inputs, new, birth)?;
+            compute(program, (id, call), inputs, new, birth)
+                .map_err(|error| error.by(program.production_of(word)))?;
         } else {
             values.extend_from_slice(&entry.constants);
         }
@@ -162,8 +163,12 @@ fn chosen<S: Sink>(
     let steps = birth + 1..=if is_random { outlet.settings.derivations } else { birth + 1 };
     for step in steps {
         for group in groups {
-            if program.holds(group, arguments, place, step) {
-                return Ok(Some((step, program.alternatives[program.choose(group, place)].word)));
+            match program.holds(group, arguments, place, step) {
+                Some(true) => {
+                    return Ok(Some((step, program.alternatives[program.choose(group, place)].word)));
+                }
+                Some(false) => {}
+                None => return Err(bad_condition(program, group, (id, arguments), step)),
             }
             outlet.spend(1 + u64::from(group.cost))?;
         }

@@ -99,8 +99,8 @@ pub fn trace(
         LsystemError::TooManySymbols { derivations, fits, .. } if is_ours => {
             LsystemError::TooManyToTrace { derivations, limit: MAX_TRACED, fits }
         }
-        LsystemError::GrewPastLimit { derivations, .. } if is_ours => {
-            LsystemError::TooManyToTrace { derivations, limit: MAX_TRACED, fits: None }
+        LsystemError::GrewPastLimit { derivations, fits, .. } if is_ours => {
+            LsystemError::TooManyToTrace { derivations, limit: MAX_TRACED, fits }
         }
         other => other,
     };
@@ -109,16 +109,27 @@ pub fn trace(
     turtle.start(0.0, settings.stems().1, Key::new(settings.seed).named("turtle"));
     let mut drawing = Drawing { turtle, drawn: Vec::new() };
     let mut outlet = Outlet::new(&program, &limited, None, monitor, &mut drawing);
-    let (string, origins) = rewrite(&outlet).map_err(refused)?;
-    let next_rules = next_rules(&program, &string, settings.derivations, monitor)?;
-    let undrawn = match draw(&mut outlet, &Text { program: &program, buffer: &string }) {
+    let Rewritten { string, origins, writers } =
+        rewrite(&mut outlet).map_err(|error| refused(error).of(grammar))?;
+    let next_rules = match next_rules(&program, &string, settings.derivations, monitor) {
+        // What the next step cannot decide is no fault of this word.
+        Err(LsystemError::Written { .. }) => vec![None; string.modules.len()],
+        other => other?,
+    };
+    let text = Text { program: &program, buffer: &string };
+    let undrawn = match draw(&mut outlet, &text) {
         Ok(()) => None,
         Err(LsystemError::Cancelled(cancelled)) => return Err(cancelled.into()),
         Err(LsystemError::Memory(over)) => return Err(over.into()),
-        Err(error) => Some(error),
+        Err(error) => {
+            let culprit = culprit(&error, &text, outlet.sink.drawn.len());
+            Some(match culprit.and_then(|index| writers.get(index)) {
+                Some(&writer) => error.by(writer).of(grammar),
+                None => error,
+            })
+        }
     };
     let drawn = if undrawn.is_none() { drawing.drawn } else { Vec::new() };
-    let text = Text { program: &program, buffer: &string };
     let module = |index: usize| {
         let origin = origins.get(index);
         let watched = drawn.get(index).cloned();
@@ -147,22 +158,100 @@ struct Origin {
     rule: Option<u32>,
 }
 
-/// The word after all steps, and the origins of its modules in the last one; none without steps.
-fn rewrite<S: Sink>(outlet: &Outlet<'_, S>) -> Result<(Buffer, Vec<Origin>), LsystemError> {
-    let (program, last) = (outlet.program, outlet.settings.derivations);
+/// The word after all steps.
+struct Rewritten {
+    string: Buffer,
+    /// Of its modules in the last step; empty without steps.
+    origins: Vec<Origin>,
+    /// The production that wrote each module, in whichever step; none for the axiom.
+    writers: Vec<Option<u32>>,
+}
+
+fn rewrite<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<Rewritten, LsystemError> {
+    let program = outlet.program;
     let mut string = axiom(program, outlet.settings)?;
     let mut origins = Vec::new();
+    let mut writers = vec![None; string.modules.len()];
     let mut lists = Lists::default();
-    for number in 1..=last {
+    for number in 1..=outlet.settings.derivations {
+        outlet.within_limit = Some(number - 1);
         outlet.monitor.check()?;
         let step = Step::choose(program, &string, &mut lists, number, outlet.monitor)?;
-        if number == last {
-            origins = origins_of(program, step.choices);
-        }
+        origins = origins_of(program, step.choices);
         let next = step.apply(outlet)?;
+        writers = origins.iter().map(|origin| origin.rule.or(writers[origin.parent as usize])).collect();
         lists.spare = std::mem::replace(&mut string, next);
     }
-    Ok((string, origins))
+    Ok(Rewritten { string, origins, writers })
+}
+
+/// An error of a module with the rule that wrote the module, where deriving anew finds it: a word of up to
+/// [`MAX_TRACED`] modules is derived with the rule of each, and drawn to where the error is.
+#[cold]
+pub(crate) fn with_writer(
+    error: LsystemError,
+    program: &Program,
+    settings: &TurtleSettings,
+    monitor: &dyn Monitor,
+) -> LsystemError {
+    use LsystemError::{
+        OrganSize, PolygonTooLarge, PolygonUnclosed, PolygonUnopened, UnknownOrgan, Value, VertexOutside,
+    };
+    let is_of_module = matches!(
+        error,
+        Value { .. }
+            | UnknownOrgan { .. }
+            | OrganSize { .. }
+            | PolygonUnopened
+            | PolygonUnclosed
+            | PolygonTooLarge { .. }
+            | VertexOutside
+    );
+    if !is_of_module {
+        return error;
+    }
+    match writer(&error, program, settings, monitor) {
+        Some(writer) => error.by(writer),
+        None => error,
+    }
+}
+
+fn writer(
+    error: &LsystemError,
+    program: &Program,
+    settings: &TurtleSettings,
+    monitor: &dyn Monitor,
+) -> Option<Option<u32>> {
+    let limited = TurtleSettings { symbol_limit: settings.symbol_limit.min(MAX_TRACED), ..*settings };
+    let mut turtle = Turtle::new(program, &limited, 0, 0, monitor).ok()?;
+    turtle.start(0.0, 0.0, Key::new(0));
+    let mut drawing = Drawing { turtle, drawn: Vec::new() };
+    let mut outlet = Outlet::new(program, &limited, None, monitor, &mut drawing);
+    let Rewritten { string, writers, .. } = rewrite(&mut outlet).ok()?;
+    let text = Text { program, buffer: &string };
+    let again = draw(&mut outlet, &text).err()?;
+    let index = culprit(&again, &text, drawing.drawn.len()).filter(|_| again == *error)?;
+    writers.get(index).copied()
+}
+
+/// The module that is to blame for an error of the turtle, which obeyed `drawn` modules before.
+fn culprit(error: &LsystemError, text: &Text<'_>, drawn: usize) -> Option<usize> {
+    match error {
+        // The `~` rather than what stands behind it.
+        LsystemError::UnknownOrgan { .. } => drawn.checked_sub(1),
+        LsystemError::PolygonUnclosed => {
+            let mut open = Vec::new();
+            for index in 0..text.count() {
+                match Command::of(text.entry(index).symbol) {
+                    Some(Command::PolygonBegin) => open.push(index),
+                    Some(Command::PolygonEnd) => drop(open.pop()),
+                    _ => {}
+                }
+            }
+            open.pop()
+        }
+        _ => Some(drawn),
+    }
 }
 
 /// For each module of the next word the one that it comes from.

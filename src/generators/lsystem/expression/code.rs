@@ -268,29 +268,47 @@ fn truth(is: bool) -> f64 {
     f64::from(u8::from(is))
 }
 
-/// What counts as true: any number but 0. What is no number is not true.
-pub(in super::super) fn is_true(value: f64) -> bool {
-    value != 0.0 && !value.is_nan()
+/// Whether a value counts as true: any number but 0 does. `None` for what is no number.
+pub(in super::super) fn is_true(value: f64) -> Option<bool> {
+    value.is_finite().then_some(value != 0.0)
+}
+
+/// 1 or 0, and no number where it is not known.
+fn known(is: Option<bool>) -> f64 {
+    is.map_or(f64::NAN, truth)
+}
+
+/// What a comparison gives; no number where one of both sides is none. Without a branch: only of a number is 0 times it 0.
+#[inline]
+fn compared(is: bool, a: f64, b: f64) -> f64 {
+    truth(is) + 0.0 * a + 0.0 * b
 }
 
 fn sign(unary: Unary, a: f64) -> f64 {
     match unary {
         Unary::Minus => -a,
-        Unary::Not => truth(!is_true(a)),
+        Unary::Not => known(is_true(a).map(|is| !is)),
     }
 }
 
 #[inline]
 fn operate(binary: Binary, a: f64, b: f64) -> f64 {
     match binary {
-        Binary::Or => truth(is_true(a) || is_true(b)),
-        Binary::And => truth(is_true(a) && is_true(b)),
-        Binary::Less => truth(a < b),
-        Binary::LessOrEqual => truth(a <= b),
-        Binary::Greater => truth(a > b),
-        Binary::GreaterOrEqual => truth(a >= b),
-        Binary::Equal => truth(a == b),
-        Binary::Unequal => truth(a != b),
+        // One side may decide: 'x != 0 && 1/x > 3' is false of 0.
+        Binary::Or => known(match (is_true(a), is_true(b)) {
+            (Some(true), _) | (_, Some(true)) => Some(true),
+            (a, b) => a.and(b),
+        }),
+        Binary::And => known(match (is_true(a), is_true(b)) {
+            (Some(false), _) | (_, Some(false)) => Some(false),
+            (a, b) => a.and(b),
+        }),
+        Binary::Less => compared(a < b, a, b),
+        Binary::LessOrEqual => compared(a <= b, a, b),
+        Binary::Greater => compared(a > b, a, b),
+        Binary::GreaterOrEqual => compared(a >= b, a, b),
+        Binary::Equal => compared(a == b, a, b),
+        Binary::Unequal => compared(a != b, a, b),
         Binary::Plus => a + b,
         Binary::Minus => a - b,
         Binary::Times => a * b,

@@ -209,8 +209,22 @@ impl Search<'_> {
         }
         self.work += groups.len();
         let place = Key::new(0);
-        let group = groups.iter().find(|group| program.holds(group, &state.arguments, place, 0));
-        let fate = match group {
+        let mut taking = None;
+        for group in groups {
+            match program.holds(group, &state.arguments, place, 0) {
+                Some(true) => {
+                    taking = Some(group);
+                    break;
+                }
+                Some(false) => {}
+                // Growing says so.
+                None => {
+                    self.graph.is_partial = true;
+                    return;
+                }
+            }
+        }
+        let fate = match taking {
             None => Fate::Kept,
             Some(group) => {
                 let alternatives = program.alternatives(group);

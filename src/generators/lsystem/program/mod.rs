@@ -233,12 +233,25 @@ impl Program {
         found.map_or(end as usize - 1, |i| start as usize + i)
     }
 
-    /// Whether the condition of a group holds in a derivation step.
+    /// Whether the condition of a group holds in a derivation step; `None` where it comes to no number.
     #[inline]
-    pub(super) fn holds(&self, group: &Group, parameters: &[f64], place: Key, step: u32) -> bool {
-        let Some(condition) = group.condition else { return true };
+    pub(super) fn holds(&self, group: &Group, parameters: &[f64], place: Key, step: u32) -> Option<bool> {
+        let Some(condition) = group.condition else { return Some(true) };
         let key = if group.is_random { place.named("condition").child(step.into()) } else { place };
         is_true(self.library.evaluate(condition, Inputs { parameters, key }))
+    }
+
+    /// The production that a word belongs to, as a place in [`Grammar::productions`](crate::Grammar::productions); none
+    /// for the axiom.
+    pub(super) fn production_of(&self, word: Word) -> Option<u32> {
+        // An empty word begins where another does, but nothing in it can be wrong.
+        let found = self.alternatives.iter().find(|choice| choice.word.range() == word.range());
+        found.map(|choice| choice.production)
+    }
+
+    /// The first production of a group.
+    pub(super) fn first_production(&self, group: &Group) -> Option<u32> {
+        self.alternatives(group).first().map(|choice| choice.production)
     }
 
     /// The turtle's command of each module and its constant arguments, by identifier. Modules whose
@@ -247,6 +260,11 @@ impl Program {
         self.modules
             .iter()
             .map(|entry| (Command::of(entry.symbol).unwrap_or(Command::Silent), &entry.constants[..]))
+    }
+
+    /// Whether some word begins a polygon or places an organ.
+    pub(super) fn writes_organs(&self) -> bool {
+        self.commands().any(|(command, _)| matches!(command, Command::PolygonBegin | Command::Organ))
     }
 
     /// Fills in what [`Self::certain`] gives.
