@@ -44,6 +44,12 @@ impl Source {
         let note = self.provenance.as_ref()?.tree_note(&self.recipe, grown)?;
         Some(format!("{}: {note}", self.shown))
     }
+
+    /// Without the note that a grammar has no units.
+    pub fn without_units(mut self) -> Self {
+        self.notes.retain(|note| !note.ends_with(UNITS));
+        self
+    }
 }
 
 /// Reads SOURCE and turns the knobs.
@@ -330,6 +336,7 @@ impl<'a> Reader<'a> {
                 let parsed = text::parse(utf8(bytes, shown)?).map_err(|error| {
                     anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
                 })?;
+                self.notes.extend(parsed.notes.into_iter().map(|note| format!("{shown}: {note}")));
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
                 self.is_bare_grammar = true;
                 return self.replaced(Recipe::new(preset));

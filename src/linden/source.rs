@@ -69,6 +69,7 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
         let not_utf8 = |_| Fault::new(None, "this is no UTF-8 text; save the file as UTF-8");
         str::from_utf8(&bytes).map_err(not_utf8).map_err(document)
     };
+    let mut notes = Vec::new();
     let preset = match sniff(&bytes, &name).map_err(input)? {
         InputKind::Preset => {
             return furnished(path, Preset::from_toml(text()?).map_err(document)?, &allowed);
@@ -82,6 +83,7 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
                 let place = linden_pipeline::document::TextPlace { line: error.line, column: error.column };
                 document(Fault::new(Some(place), error.problem.to_string()))
             })?;
+            notes = found.notes;
             Preset::of_grammar(&id, found.grammar, found.angle_deg, found.derivations)
         }
         InputKind::TreeParameters => {
@@ -102,7 +104,7 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
     if recipe.preset.files().contains(&name.as_str()) {
         recipe.inputs.insert(name.clone(), Input::read(&name, &bytes, &Quiet).map_err(input)?);
     }
-    Ok(Tree::of(recipe).sparing(vec![path.to_owned()]))
+    Ok(Tree::of(recipe).sparing(vec![path.to_owned()]).noting(notes))
 }
 
 /// A preset with the files that it names: those beside its document, else those beside built-in presets.

@@ -127,6 +127,14 @@ fn show_derives_strings() {
     assert_eq!(folder.run(&["show", "abop-a", "--derive", "1"]).done().out, "F[+F]F[-F]F\n");
     let twice = folder.run(&["show", "abop-a", "--derive", "2"]).done().out;
     assert_eq!(twice, "F[+F]F[-F]F\n".replace('F', "F[+F]F[-F]F"));
+    // A string has no length, and nothing is said of units.
+    folder.write("own.txt", "axiom=F\nangle=20\nnumber of derivations=1\nF=F//F // a leaf\n");
+    let own = folder.run(&["show", "own.txt", "--derive", "0"]);
+    assert_eq!((own.code, own.out.as_str()), (Some(0), "F\n"));
+    let note =
+        "note: own.txt: line 4: '//' within a rule rolls twice; a comment stands on a line of its own\n";
+    assert_eq!(own.err, note);
+    assert!(folder.run(&["show", "own.txt"]).err.contains("a grammar has no units"));
     let refused = folder.run(&["show", "fir", "--derive", "1"]);
     assert!(refused.code == Some(2) && refused.err.contains("colonization"), "{}", refused.err);
     let long = folder.run(&["show", "abop-a", "--derive", "30"]);

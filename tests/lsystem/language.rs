@@ -112,7 +112,7 @@ fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
         (
             "F",
             "A(l) : l = 3 -> F",
-            "rule 1, column 10: expected an operator ('==' compares, '->' begins the successor), found '='",
+            "rule 1, column 10: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
         ),
         (
             "F",
@@ -187,9 +187,64 @@ fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
             "A < B(x) > [C]D -> (0.5+0.1) F",
             "rule 1, column 1: the probabilities of the rules for 'A < B(x) > [C]D' sum to 0.6, not to 1",
         ),
+        (
+            "F",
+            "F(a) : a>0.5 = F(a/2)",
+            "rule 1, column 14: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
+        ),
+        (
+            "F",
+            "F : * = FF",
+            "rule 1, column 7: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
+        ),
+        ("F", "F(a) : 1/0 -> F", "rule 1, column 8: '1/0' is inf, which is no number to compute with"),
+        (
+            "F",
+            "F(a) : sqrt(0-3) -> F",
+            "rule 1, column 8: 'sqrt(0-3)' is NaN, which is no number to compute with",
+        ),
+        (
+            "F",
+            "F(a) : 1/0 > 3 -> F",
+            "rule 1, column 8: '1/0 > 3' is NaN, which is no number to compute with",
+        ),
+        (
+            "F",
+            "F -> F(sqrt 2)",
+            "rule 1, column 13: expected '(' after the function 'sqrt', as in sqrt(x), found '2'",
+        ),
+        ("F", "F => FF", "rule 1, column 3: expected the arrow '->', found '=>'"),
+        ("F", "F --> FF", "rule 1, column 3: expected the arrow '->', found '-->'"),
+        ("F", "F(a) : a > 1 => F", "rule 1, column 14: expected the arrow '->', found '=>'"),
+        ("F", "F(a) : a > 1 --> F", "rule 1, column 14: expected the arrow '->', found '-->'"),
+        ("F", "F : * ⇒ F", "rule 1, column 7: expected the arrow '->', found '⇒'"),
+        (
+            "F",
+            "#consider F",
+            "rule 1, column 1: expected '#ignore' with the symbols that contexts pass over, all but those to consider, \
+             found '#consider'",
+        ),
         ("F", "A -> (2*0.7) F", "rule 1, column 7: 2*0.7 = 1.4 is out of range: 0 to 1"),
     ] {
         assert_eq!(refusal(axiom, &[rule]), message, "{rule}");
+    }
+    for (rules, message) in [
+        (
+            &["F -> F[+F]", "A -> F", "F -> FF"][..],
+            "rule 1, column 1: the probabilities of the rules for 'F' sum to 2, not to 1: there is also 'F -> FF'; \
+             write (0.5) behind each arrow",
+        ),
+        (
+            &["F -> F[+F]", "F -> FF", "F -> F"],
+            "rule 1, column 1: the probabilities of the rules for 'F' sum to 3, not to 1: there is also 'F -> FF'; \
+             write (1/3) behind each arrow",
+        ),
+        (
+            &["F -> (0.5) F[+F]", "F -> FF"],
+            "rule 1, column 1: the probabilities of the rules for 'F' sum to 1.5, not to 1: there is also 'F -> FF'",
+        ),
+    ] {
+        assert_eq!(refusal("F", rules), message);
     }
     assert_eq!(
         refusal("F", &["#define r 1", "#define r 2"]),
@@ -233,4 +288,51 @@ fn long_texts_do_not_exhaust_the_call_stack() {
     assert!(
         refusal("F", &[&format!("A(x) -> B({}x)", "-(".repeat(200_000))]).contains("more than 256 signs")
     );
+}
+
+/// What ABOP writes in front of a rule, and for a context or a condition that there is not.
+#[test]
+fn labels_and_stars_of_abop_are_read() {
+    let plain = Grammar::new("F(1)", &["F(x) -> F(x)F", "F < F(x) : x > 1 -> A", "p > p -> p1"]).unwrap();
+    let as_printed = ["p1 : * < F(x) > * : * → F(x)F", "p12: F < F(x) > * : x > 1 -> A", "p > p -> p1"];
+    for axiom in ["ω : F(1)", "omega: F(1)"] {
+        assert_eq!(Grammar::new(axiom, &as_printed).unwrap(), plain);
+    }
+    // None of them is a label.
+    let bare = Grammar::new("p1", &["p : 1 -> F", "p1 < F -> FF", "ω : * -> p1"]).unwrap();
+    assert_eq!(bare.to_string(), "p1\np : 1 -> F\np1 < F -> FF\nω -> p1\n");
+    assert_eq!(refusal("F", &["* > F -> F"]), "rule 1, column 1: expected a symbol, found '*'");
+    assert_eq!(
+        refusal("F", &["p1 : F -> F]"]),
+        "rule 1, column 12: ']' closes a branch that was never opened"
+    );
+}
+
+/// What can be no organ, whatever is derived, is refused with its place; what may become one is not.
+#[test]
+fn organs_that_there_are_not_are_refused_with_their_place() {
+    let organs = "L (leaf), K (blossom), B (berry), N (needle)";
+    for (axiom, rule, place, found) in [
+        ("F~X", "F -> FF", "axiom, column 3", "'X'"),
+        ("F", "F -> F~X(1)F", "rule 1, column 8", "'X'"),
+        ("F", "F -> F[~]", "rule 1, column 9", "']'"),
+        ("FL~", "F -> FF", "axiom, column 4", "nothing"),
+        ("F", "F -> F~", "rule 1, column 8", "nothing"),
+    ] {
+        let message =
+            format!("{place}: '~' is followed by {found}, which names no organ; there are: {organs}");
+        assert_eq!(refusal(axiom, &[rule]), message);
+    }
+    assert_eq!(refusal("F~L(-1)", &["F -> F"]), "axiom, column 5: -1 is out of range: 0 to 1000000");
+    for (axiom, rules) in [
+        ("F~X", &["X -> L"][..]),
+        ("F~X", &["~ -> F"]),
+        ("F~L(-1)", &["L(x) -> L(x+2)"]),
+        // L follows the ~ in the string.
+        ("FXL", &["X -> F~"]),
+        // A cut may take it away.
+        ("FX~Y", &["X -> F%"]),
+    ] {
+        assert!(Grammar::new(axiom, rules).is_ok(), "{axiom} {rules:?}");
+    }
 }

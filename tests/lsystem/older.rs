@@ -77,6 +77,25 @@ fn two_slashes_are_two_rolls_past_the_beginning() {
     let read = text::parse(text).unwrap();
     assert_eq!(read.grammar, Grammar::new("F", &["F -> F//F//F"]).unwrap());
     assert!(read.comments.is_empty());
+    assert!(read.notes.is_empty(), "one letter is a symbol");
+}
+
+#[test]
+fn a_rule_that_seems_to_end_in_a_comment_is_noted() {
+    let text = "axiom=A\nangle=20\nnumber of derivations=1\nA -> F // the final leaf\nF -> F//F // FF";
+    let note = "line 4: '//' within a rule rolls twice; a comment stands on a line of its own";
+    assert_eq!(text::parse(text).unwrap().notes, [note]);
+}
+
+/// As ABOP prints its systems, and with the comments of its preprocessor.
+#[test]
+fn abops_labels_and_comments_are_read() {
+    let text = "/* Figure\n   1.24 */\nω : F\nangle=20 /* degrees */\nnumber of derivations=3\n// see /* there\np1 : F /* x */ -> F[+F]";
+    let read = text::parse(text).unwrap();
+    assert_eq!(read.grammar, Grammar::new("F", &["F -> F[+F]"]).unwrap());
+    assert_eq!(read.comments, ["see /* there"]);
+    let rule = text::parse_grammar("axiom = ω\nω : * -> F").unwrap();
+    assert_eq!(rule, Grammar::new("ω", &["ω -> F"]).unwrap());
 }
 
 #[test]
@@ -102,7 +121,21 @@ fn mistakes_are_told_with_their_place() {
         (
             &format!("{head}leaves=3"),
             "line 4, column 1: expected 'axiom=', 'angle=', 'number of derivations=', a comment '//' or \
-             a rule 'F=(1)…', found 'leaves=3'",
+             a rule 'F -> …', found 'leaves=3'",
+        ),
+        (
+            "axiom=F\nangle=20\nderivations=2",
+            "line 3, column 1: expected 'axiom=', 'angle=', 'number of derivations=', a comment '//' or \
+             a rule 'F -> …' (is 'number of derivations=' meant?), found 'derivations=2'",
+        ),
+        (&format!("{head}F FF"), "line 4, column 3: expected '->', '→' or '=' after 'F', found 'F'"),
+        (
+            &format!("{head}F=F /* one\ntwo"),
+            "line 4, column 5: expected a '*/' that ends the comment, found the end",
+        ),
+        (
+            &format!("{head}/* one\ntwo */ F=F]"),
+            "line 5, column 11: ']' closes a branch that was never opened",
         ),
         (&format!("{head}\n F=(1)F[+F]]F"), "line 5, column 12: ']' closes a branch that was never opened"),
         (&format!("{head}F=(1)[F[+F]"), "line 4, column 6: '[' opens a branch that is never closed"),
@@ -115,7 +148,8 @@ fn mistakes_are_told_with_their_place() {
         (&format!("{head}F=(1"), "line 4, column 5: expected ')', found the end"),
         (
             &format!("{head}G=(1)G\nF=(0.5)F\nF=(0.4)FF"),
-            "line 5, column 1: the probabilities of the rules for 'F' sum to 0.9, not to 1",
+            "line 5, column 1: the probabilities of the rules for 'F' sum to 0.9, not to 1: \
+             there is also 'F -> (0.4) FF'",
         ),
         (&format!("{head}F"), "line 4, column 2: expected '->', '→' or '=' after 'F', found the end"),
         (&format!("{head}F=(1)F\u{1b}F"), "line 4, column 7: expected a symbol, found '\\u{1b}'"),

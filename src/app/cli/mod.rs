@@ -257,6 +257,21 @@ impl GrowArgs {
         seasons: &[Season],
         progress: &Progress,
     ) -> anyhow::Result<Source> {
+        let source = self.read(pairs, progress)?;
+        say_of(&source, pairs, seasons, progress);
+        Ok(source)
+    }
+
+    /// The source of a string that is derived and not drawn: units say nothing of it.
+    fn resolve_string(&self, progress: &Progress) -> anyhow::Result<Source> {
+        let pairs = self.pairs()?;
+        let source = self.read(&pairs, progress)?.without_units();
+        say_of(&source, &pairs, &[], progress);
+        Ok(source)
+    }
+
+    /// The source with its knobs turned, and no word about it.
+    fn read(&self, pairs: &[(String, String)], progress: &Progress) -> anyhow::Result<Source> {
         let mut source = source::resolve(&self.source, pairs, progress)?;
         define(&mut source, &self.defines)?;
         if let Some(age) = &self.age {
@@ -265,16 +280,6 @@ impl GrowArgs {
         for edit in &self.edits {
             source.recipe.preset.edit(edit).map_err(exit::usage)?;
         }
-        notes(&source.notes, progress);
-        let preset = &source.recipe.preset;
-        let mut idle = idle(preset, pairs);
-        for season in seasons {
-            let mut preset = preset.clone();
-            preset.dressing.foliage.season = season.season;
-            let of_one = self::idle(&preset, pairs);
-            idle.retain(|note| of_one.contains(note));
-        }
-        notes(&idle, progress);
         Ok(source)
     }
 
@@ -308,6 +313,20 @@ impl GrowArgs {
         pairs.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
         Ok(pairs)
     }
+}
+
+/// Says what is to be known of a source, and of knobs that were turned and change nothing in any of the seasons.
+fn say_of(source: &Source, pairs: &[(String, String)], seasons: &[Season], progress: &Progress) {
+    notes(&source.notes, progress);
+    let preset = &source.recipe.preset;
+    let mut idle = idle(preset, pairs);
+    for season in seasons {
+        let mut preset = preset.clone();
+        preset.dressing.foliage.season = season.season;
+        let of_one = self::idle(&preset, pairs);
+        idle.retain(|note| of_one.contains(note));
+    }
+    notes(&idle, progress);
 }
 
 /// What to say of knobs that were turned and change nothing.

@@ -194,11 +194,12 @@ impl Show {
             }
             return forest_page::show(forest, &self.growing.pairs()?, how, &progress);
         }
+        if let Some(steps) = self.derive {
+            let source = self.growing.resolve_string(&progress)?;
+            return super::derivation::show(&source.recipe.preset, steps, self.json, &progress);
+        }
         let source = self.growing.resolve(&progress)?;
         let preset = &source.recipe.preset;
-        if let Some(steps) = self.derive {
-            return super::derivation::show(preset, steps, self.json, &progress);
-        }
         if self.axes {
             let list = AxisList::of(&super::grown(&source, &progress)?);
             return if self.json { super::print_json(&list) } else { super::print(&list.text()) };

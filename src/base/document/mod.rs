@@ -209,7 +209,9 @@ impl Node {
     pub fn from_toml(text: &str) -> Result<Self, Fault> {
         let table = toml::de::DeTable::parse(text).map_err(|error| {
             let place = error.span().map(|span| TextPlace::at(text, span.start));
-            Fault::new(place, error.message().trim().replace('\n', ", "))
+            let message = error.message().trim().replace('\n', ", ");
+            let hint = if message.contains("escape") { ESCAPE_HINT } else { "" };
+            Fault::new(place, message + hint)
         })?;
         let place = Some(TextPlace { line: 1, column: 1 });
         Ok(Self { place, datum: Datum::Table(toml_entries(&Places::of(text), table.get_ref())?) })
@@ -402,9 +404,21 @@ impl<'de> Visitor<'de> for JsonDatum {
     }
 }
 
+/// What to do about a `\` in a text of TOML that is no escape.
+const ESCAPE_HINT: &str = "; in a text in \"…\" a '\\' is written twice, in one in '…' as it is";
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_backslash_that_is_no_escape_is_told_how_to_be_written() {
+        let said = |toml: &str| Node::from_toml(toml).map(drop).map_err(|fault| fault.to_string());
+        let error = said("rule = \"F -> \\F\"").unwrap_err();
+        assert!(error.ends_with(ESCAPE_HINT), "{error}");
+        assert!(!said("rule = F").unwrap_err().contains(ESCAPE_HINT));
+        assert_eq!(said("a = \"F -> \\\\F\"\nb = 'F -> \\F'"), Ok(()));
+    }
 
     #[test]
     fn many_places_are_those_of_one_at_a_time() {

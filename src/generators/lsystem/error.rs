@@ -109,12 +109,30 @@ pub enum Problem {
     },
     /// The rules of one predecessor, in the same context and under the same condition, must share out
     /// the probability 1.
-    #[error("the probabilities of the rules for '{predecessor}' sum to {sum}, not to 1")]
+    #[error(
+        "the probabilities of the rules for '{predecessor}' sum to {sum}, not to 1{}{}",
+        another.as_ref().map(|rule| format!(": there is also '{rule}'")).unwrap_or_default(),
+        match .unwritten {
+            0 => String::new(),
+            2 => "; write (0.5) behind each arrow".to_owned(),
+            count => format!("; write (1/{count}) behind each arrow"),
+        }
+    )]
     Probabilities {
         /// Whose rules: their left side, printable.
         predecessor: String,
         /// What they sum to.
         sum: f64,
+        /// Another rule for it, where there are several: printable.
+        another: Option<String>,
+        /// How many rules there are, where none of them has a probability; else 0.
+        unwritten: usize,
+    },
+    /// `~` before what is no organ, and never becomes one.
+    #[error("{}", NoOrgan(*.found))]
+    NoOrgan {
+        /// The symbol; `None` at the end.
+        found: Option<char>,
     },
     /// A key that may stand once stands twice.
     #[error("'{key}' was already given in line {first_line}; keep one of them")]

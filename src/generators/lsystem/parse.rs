@@ -4,11 +4,13 @@ use std::collections::BTreeSet;
 
 use super::command::{Command, sign_of_rules};
 use super::error::{GrammarError, GrammarPart, Problem};
-use super::expression::parse::{Scope, expression};
+use super::expression::parse::{Scope, expression, no_operator};
 use super::expression::{Expression, Function};
 use super::grammar::{Definition, Grammar, Module, Pattern, Production, groups};
 use super::reader::{Misread, Reader};
+use super::turtle::LARGEST_ORGAN;
 use linden_base::knob::excerpt;
+use linden_skeleton::organs::prototype;
 
 /// The most parameters of a rule, and arguments of a module.
 const MAX_PARAMETERS: usize = 64;
@@ -21,7 +23,8 @@ impl Grammar {
     /// Reads an axiom and rules such as `F -> F[+F]F`.
     ///
     /// A rule is `left < predecessor > right : condition -> (probability) successor`; all but the
-    /// predecessor and the arrow (`->`, `→`, or `=` where there is no condition) may be missing. The
+    /// predecessor and the arrow (`->`, `→`, or `=` where there is no condition) may be missing, and a `*` stands
+    /// for a context or a condition that there is not. ABOP's labels `p1 :`, and `ω :` before the axiom, are passed over. The
     /// predecessor and the contexts name their parameters, `A(l,w)`; conditions and arguments are
     /// [expressions](Expression). Rules with a context come before those without one, else the first
     /// that matches is applied; several rules with the same left side make the system stochastic.
@@ -47,6 +50,9 @@ impl Grammar {
         let mut definitions = Vec::new();
         let mut ignored = Vec::new();
         let lines = || rules.iter().map(AsRef::as_ref).enumerate();
+        let words = || lines().map(|(_, line)| line).filter(|line| !is_directive(line)).chain([axiom]);
+        context.cuts = words().any(|word| word.contains('%'));
+        context.names_organs = words().any(|word| word.chars().any(|symbol| prototype(symbol).is_some()));
         for (i, line) in lines() {
             if !is_directive(line) {
                 context.rewritten.extend(rewritten(line));
@@ -78,11 +84,16 @@ fn check_probabilities(productions: &[Production], places: &[usize]) -> Result<(
         let sum: f64 = group.iter().map(|&i| productions[i].probability).sum();
         if (sum - 1.0).abs() > PROBABILITY_TOLERANCE {
             let predecessor = excerpt(&productions[group[0]].head());
+            let another = group.get(1).map(|&i| excerpt(&productions[i].to_string()));
+            let is_unwritten = group.len() > 1
+                && group.iter().all(|&i| productions[i].probability == 1.0)
+                && group.iter().all(|&i| productions[i].written_probability.is_none());
+            let unwritten = if is_unwritten { group.len() } else { 0 };
             return Err(GrammarError {
                 part: GrammarPart::Rule(places[group[0]]),
                 offset: 0,
                 column: 1,
-                problem: Problem::Probabilities { predecessor, sum },
+                problem: Problem::Probabilities { predecessor, sum, another, unwritten },
             });
         }
     }
@@ -97,9 +108,18 @@ pub(super) struct Context {
     /// Symbols and numbers of parameters that some rule rewrites: their arguments are in range when
     /// they are drawn, and not before.
     pub rewritten: BTreeSet<(char, usize)>,
+    /// Whether a `%` stands anywhere, which may take away what is wrong before it is drawn.
+    pub cuts: bool,
+    /// Whether the letter of an organ stands anywhere.
+    pub names_organs: bool,
 }
 
 impl Context {
+    /// Whether a symbol stays as it is, wherever it stands.
+    fn stays(&self, symbol: char, arguments: usize) -> bool {
+        !self.cuts && !self.rewritten.contains(&(symbol, arguments))
+    }
+
     fn scope<'a>(&'a self, parameters: &'a [String]) -> Scope<'a> {
         Scope { parameters, constants: &self.constants }
     }
@@ -118,11 +138,16 @@ pub(super) fn is_directive(text: &str) -> bool {
 
 /// Reads an axiom: at least one module.
 pub(super) fn axiom(text: &str, context: &Context) -> Result<Vec<Module>, Misread> {
-    let modules = Reader::new(text).modules(context, &[])?;
-    if modules.is_empty() {
-        return Err(Misread { offset: text.len(), problem: Problem::expected("a symbol", None) });
+    let mut reader = Reader::new(text);
+    reader.eat_axiom_label();
+    let modules = reader.modules(context, &[])?;
+    match modules.last() {
+        None => Err(reader.misread(Problem::expected("a symbol", None))),
+        Some(last) if last.symbol == '~' && context.stays('~', 0) => {
+            Err(reader.misread(Problem::NoOrgan { found: None }))
+        }
+        Some(_) => Ok(modules),
     }
-    Ok(modules)
 }
 
 /// Reads `left < predecessor > right : condition -> (probability) successor`.
@@ -140,8 +165,9 @@ pub(super) fn rule(text: &str, context: &Context) -> Result<Production, Misread>
         return Err(reader.misread(Problem::TooManyParameters { limit: MAX_PARAMETERS }));
     }
     let condition = if reader.eat(":") { reader.condition(context.scope(&parameters))? } else { None };
+    let found = reader.peek();
+    reader.check_arrow()?;
     if !reader.eat_arrow() {
-        let found = reader.peek();
         return Err(reader.misread(Problem::expected("'->' or '→'", found)));
     }
     let (probability, written_probability) = reader.probability(context)?;
@@ -201,7 +227,11 @@ pub(super) fn directive(text: &str, context: &Context) -> Result<Directive, Misr
         }
         name => {
             let found = excerpt(&format!("#{name}"));
-            let expected = "'#define name value' or '#ignore symbols'".to_owned();
+            let expected = match name {
+                "consider" => "'#ignore' with the symbols that contexts pass over, all but those to consider",
+                _ => "'#define name value' or '#ignore symbols'",
+            }
+            .to_owned();
             Err(Misread {
                 offset: start.offset - 1,
                 problem: Problem::Expected { expected, found: format!("'{found}'") },
@@ -236,35 +266,36 @@ impl Reader<'_> {
     }
 
     fn head(&mut self) -> Result<ReadHead, Misread> {
+        self.eat_rule_label();
         let Some(first) = self.peek() else {
             return Err(self.misread(Problem::expected("a symbol and an arrow, as in 'F -> FF'", None)));
         };
-        self.rewritable(first, "a symbol that can be rewritten (brackets and '%' cannot)")?;
         let mut names = Vec::new();
-        // The first symbols are the left context where a '<' follows, else the predecessor alone.
-        let mut patterns = vec![self.pattern(&mut names)?];
-        let after_first = self.clone();
-        while !self.arrow_ahead()
-            && self.peek().is_some_and(|c| Command::of(c).is_some() && !matches!(c, '[' | ']' | '%'))
-        {
-            patterns.push(self.pattern(&mut names)?);
-        }
-        let (left, predecessor) = if self.eat("<") {
-            let found = self.peek();
-            let Some(symbol) = found else {
-                return Err(self.misread(Problem::expected("the symbol to rewrite", None)));
-            };
-            self.rewritable(symbol, "the symbol to rewrite (brackets and '%' cannot)")?;
-            (patterns, self.pattern(&mut names)?)
+        let (left, predecessor) = if self.eat_empty_left() {
+            (Vec::new(), self.predecessor(&mut names)?)
         } else {
-            if patterns.len() > 1 {
-                *self = after_first;
+            self.rewritable(first, "a symbol that can be rewritten (brackets and '%' cannot)")?;
+            // The first symbols are the left context where a '<' follows, else the predecessor alone.
+            let mut patterns = vec![self.pattern(&mut names)?];
+            let after_first = self.clone();
+            while !self.arrow_ahead()
+                && self.peek().is_some_and(|c| Command::of(c).is_some() && !matches!(c, '[' | ']' | '%'))
+            {
+                patterns.push(self.pattern(&mut names)?);
             }
-            (Vec::new(), patterns.swap_remove(0))
+            if self.eat("<") {
+                (patterns, self.predecessor(&mut names)?)
+            } else {
+                if patterns.len() > 1 {
+                    *self = after_first;
+                }
+                (Vec::new(), patterns.swap_remove(0))
+            }
         };
         let right =
             if !self.arrow_ahead() && self.eat(">") { self.right_context(&mut names)? } else { Vec::new() };
         let found = self.peek();
+        self.check_arrow()?;
         if !self.arrow_ahead() && found != Some(':') {
             let problem = match found {
                 Some(sign @ ('<' | '>')) => stray(sign, "an arrow"),
@@ -279,8 +310,32 @@ impl Reader<'_> {
         self.clone().eat_arrow()
     }
 
-    /// Patterns with balanced brackets, up to a condition or an arrow.
+    /// Passes over `* <`: any left context (ABOP).
+    fn eat_empty_left(&mut self) -> bool {
+        let mut ahead = self.clone();
+        let found = ahead.eat("*") && ahead.eat("<");
+        if found {
+            *self = ahead;
+        }
+        found
+    }
+
+    /// What stands behind the `<` of a left context.
+    fn predecessor(&mut self, names: &mut Vec<(usize, String)>) -> Result<Pattern, Misread> {
+        let Some(symbol) = self.peek() else {
+            return Err(self.misread(Problem::expected("the symbol to rewrite", None)));
+        };
+        self.rewritable(symbol, "the symbol to rewrite (brackets and '%' cannot)")?;
+        self.pattern(names)
+    }
+
+    /// Patterns with balanced brackets, up to a condition or an arrow; none for a `*` alone (ABOP).
     fn right_context(&mut self, names: &mut Vec<(usize, String)>) -> Result<Vec<Pattern>, Misread> {
+        let mut ahead = self.clone();
+        if ahead.eat("*") && (ahead.peek() == Some(':') || ahead.arrow_ahead()) {
+            *self = ahead;
+            return Ok(Vec::new());
+        }
         let mut patterns = Vec::new();
         let mut open = Vec::new();
         while let Some(symbol) = self.peek() {
@@ -358,15 +413,27 @@ impl Reader<'_> {
     /// What stands behind the colon; `*` is always true (ABOP).
     fn condition(&mut self, scope: Scope<'_>) -> Result<Option<Expression>, Misread> {
         let mut ahead = self.clone();
-        if ahead.eat("*") && (ahead.peek().is_none() || ahead.at_arrow()) {
-            *self = ahead;
-            return Ok(None);
+        if ahead.eat("*") {
+            let found = ahead.peek();
+            if found.is_none() || ahead.at_arrow() {
+                *self = ahead;
+                return Ok(None);
+            }
+            ahead.check_arrow()?;
+            if found == Some('=') {
+                return Err(ahead.misread(no_operator(found)));
+            }
         }
+        self.peek();
+        let place = self.clone();
         let condition = expression(self, scope)?;
-        match self.peek() {
-            Some(found @ (')' | ',')) => Err(self.misread(Problem::expected("'->' or '→'", Some(found)))),
-            _ => Ok(Some(condition)),
+        if let Some(found @ (')' | ',')) = self.peek() {
+            return Err(self.misread(Problem::expected("'->' or '→'", Some(found))));
         }
+        if condition.constant().is_some() {
+            place.constant(&condition, self, [f64::MIN, f64::MAX])?;
+        }
+        Ok(Some(condition))
     }
 
     /// The probability in brackets before a successor, 1 when there is none; and how it was written.
@@ -404,6 +471,8 @@ impl Reader<'_> {
     fn modules(&mut self, context: &Context, parameters: &[String]) -> Result<Vec<Module>, Misread> {
         let mut modules = Vec::new();
         let mut open = Vec::new();
+        // Whether a `~` stands before that is drawn as it is.
+        let mut is_placing = false;
         while let Some(symbol) = self.peek() {
             let Some(command) = Command::of(symbol) else {
                 return Err(self.misread(stray(symbol, "a symbol")));
@@ -413,21 +482,31 @@ impl Reader<'_> {
                 Command::Pop if open.pop().is_none() => return Err(self.misread(Problem::Unopened)),
                 _ => {}
             }
+            let place = self.offset;
             self.offset += symbol.len_utf8();
-            let arguments = self.arguments(symbol, command, context, parameters)?;
+            let is_organ = is_placing && prototype(symbol).is_some();
+            let range = if is_organ { Some([0.0, LARGEST_ORGAN]) } else { command.argument_range() };
+            let arguments = self.arguments(symbol, (command, range), context, parameters)?;
+            if is_placing && !is_organ && context.stays(symbol, arguments.len()) {
+                return Err(Misread { offset: place, problem: Problem::NoOrgan { found: Some(symbol) } });
+            }
+            is_placing = command == Command::Organ && context.stays(symbol, 0);
             modules.push(Module { symbol, arguments });
         }
         match open.pop() {
             Some(offset) => Err(Misread { offset, problem: Problem::Unclosed }),
+            None if is_placing && !context.names_organs => {
+                Err(self.misread(Problem::NoOrgan { found: None }))
+            }
             None => Ok(modules),
         }
     }
 
-    /// What stands in brackets after a symbol.
+    /// What stands in brackets after a symbol. `range` is that of the first where it is drawn.
     fn arguments(
         &mut self,
         symbol: char,
-        command: Command,
+        (command, range): (Command, Option<[f64; 2]>),
         context: &Context,
         parameters: &[String],
     ) -> Result<Vec<Expression>, Misread> {
@@ -456,7 +535,7 @@ impl Reader<'_> {
                 continue;
             }
             let is_drawn = i == 0 && !context.rewritten.contains(&(symbol, arguments.len()));
-            let range = command.argument_range().filter(|_| is_drawn);
+            let range = range.filter(|_| is_drawn);
             start.constant(argument, end, range.unwrap_or([f64::MIN, f64::MAX]))?;
         }
         Ok(arguments)

@@ -69,6 +69,44 @@ impl<'a> Reader<'a> {
         self.rest().starts_with("->") || self.rest().starts_with('→')
     }
 
+    /// Passes over the label that ABOP gives a rule, `p12 :`. No rule begins so: `p` alone may have a condition, and
+    /// `p1` be a context.
+    pub(super) fn eat_rule_label(&mut self) {
+        let mut ahead = self.clone();
+        if !ahead.eat("p") {
+            return;
+        }
+        let digits = ahead.rest().bytes().take_while(u8::is_ascii_digit).count();
+        ahead.skip(digits);
+        if digits > 0 && ahead.eat(":") {
+            *self = ahead;
+        }
+    }
+
+    /// Passes over the label that ABOP gives the axiom, `ω :`, and says whether there was one. No axiom holds a colon.
+    pub(super) fn eat_axiom_label(&mut self) -> bool {
+        ["ω", "omega"].into_iter().any(|label| {
+            let mut ahead = self.clone();
+            let found = ahead.eat(label) && ahead.eat(":");
+            if found {
+                *self = ahead;
+            }
+            found
+        })
+    }
+
+    /// Refuses what looks like an arrow and is none.
+    pub(super) fn check_arrow(&self) -> Result<(), Misread> {
+        const ALIKE: [&str; 7] = ["-->", "==>", "=>", "⇒", "⟶", "::=", ":="];
+        match ALIKE.into_iter().find(|arrow| self.rest().starts_with(arrow)) {
+            None => Ok(()),
+            Some(arrow) => {
+                let (expected, found) = ("the arrow '->'".to_owned(), format!("'{arrow}'"));
+                Err(self.misread(Problem::Expected { expected, found }))
+            }
+        }
+    }
+
     pub(super) fn eat_arrow(&mut self) -> bool {
         self.eat("->") || self.eat("→") || self.eat("=")
     }

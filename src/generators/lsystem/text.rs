@@ -10,15 +10,19 @@
 //!
 //! A line is empty, a comment (`//` at its beginning: further on, `//` is two rolls), one of the
 //! three keys, each exactly once, or a rule as [`Grammar::new`] reads it, its probability in
-//! brackets. Either line ending, a byte-order mark and blanks around anything are accepted.
+//! brackets. What stands between `/*` and `*/` is a comment anywhere, and `ω: F` an axiom, as ABOP has it.
+//! Either line ending, a byte-order mark and blanks around anything are accepted.
 //!
 //! The same lines without the two numbers are a grammar as people edit it: [`write_grammar`] and
 //! [`parse_grammar`].
 
+use std::borrow::Cow;
+
 use super::error::{GrammarPart, Problem};
 use super::grammar::Grammar;
+use super::reader::Reader;
 use super::turtle_settings::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
-use linden_base::knob::excerpt;
+use linden_base::knob::{excerpt, nearest};
 
 /// The content of a file of the older format.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +36,8 @@ pub struct TextGrammar {
     /// The comments after `//`, trimmed, in order. From outside: show them through
     /// [`printable`](linden_base::knob::printable).
     pub comments: Vec<String>,
+    /// What the text says and hardly means, with its line: for people.
+    pub notes: Vec<String>,
 }
 
 /// A text that is not of the older format, and where.
@@ -61,6 +67,29 @@ impl<'a> Piece<'a> {
         let text = self.text.trim_start();
         let blanks = self.text[..self.text.len() - text.len()].chars().count();
         Self { text: text.trim_end(), column: self.column + blanks, ..self }
+    }
+
+    /// The axiom of a line that gives one.
+    fn axiom(self) -> Option<Piece<'a>> {
+        self.value_of(AXIOM).or_else(|| self.labelled_axiom())
+    }
+
+    /// The axiom of the line `ω: F`. What has an arrow is a rule for ω under a condition.
+    fn labelled_axiom(self) -> Option<Piece<'a>> {
+        let has_arrow = self.text.contains("->") || self.text.contains(['→', '=']);
+        (!has_arrow && Reader::new(self.text).eat_axiom_label()).then_some(self)
+    }
+
+    /// What to say of a rule that seems to end in a comment.
+    fn comment_note(self) -> Option<String> {
+        let (_, behind) = self.text.split_once("// ")?;
+        let mut words = behind.split(|c: char| !c.is_lowercase());
+        words.any(|word| word.chars().count() > 2).then(|| {
+            format!(
+                "line {}: '//' within a rule rolls twice; a comment stands on a line of its own",
+                self.line
+            )
+        })
     }
 
     /// What stands after `=`, when the text before it is `key`.
@@ -106,7 +135,7 @@ impl<'a> Piece<'a> {
 const AXIOM: &str = "axiom";
 const ANGLE: &str = "angle";
 const DERIVATIONS: &str = "number of derivations";
-const LINES: &str = "'axiom=', 'angle=', 'number of derivations=', a comment '//' or a rule 'F=(1)…'";
+const LINES: &str = "'axiom=', 'angle=', 'number of derivations=', a comment '//' or a rule 'F -> …'";
 const GRAMMAR_LINES: &str =
     "'axiom = …', a rule 'F -> …' or a comment '//' (angle and derivations are knobs of their own)";
 
@@ -121,12 +150,14 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
     let mut derivations = None;
     let mut rules = Vec::new();
     let mut comments = Vec::new();
+    let mut notes = Vec::new();
     let mut last_line = 1;
-    for line in lines(text) {
+    let text = without_comments(text)?;
+    for line in lines(&text) {
         last_line = line.line;
         if let Some(comment) = line.text.strip_prefix("//") {
             comments.push(comment.trim().to_owned());
-        } else if let Some(value) = line.value_of(AXIOM) {
+        } else if let Some(value) = line.axiom() {
             once(&mut axiom, AXIOM, line, value)?;
         } else if let Some(value) = line.value_of(ANGLE) {
             once(&mut angle, ANGLE, line, value)?;
@@ -134,8 +165,9 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
             once(&mut derivations, DERIVATIONS, line, value)?;
         } else if !line.text.is_empty() {
             if is_word(line.text) {
-                return Err(line.expected(LINES));
+                return Err(line.expected(&format!("{LINES}{}", key_meant(line.text))));
             }
+            notes.extend(line.comment_note());
             rules.push(line);
         }
     }
@@ -148,7 +180,20 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
         derivations: derivations.whole(MAX_DERIVATIONS)?,
         grammar: grammar(axiom, &rules)?,
         comments,
+        notes,
     })
+}
+
+/// What key may have been meant by a line that has none.
+fn key_meant(line: &str) -> String {
+    let typed = line.split('=').next().unwrap_or_default().trim();
+    let of_steps = ["derivations", "derivation", "iterations", "steps", "n"];
+    let near = if of_steps.contains(&typed) {
+        Some(DERIVATIONS)
+    } else {
+        nearest(typed, [AXIOM, ANGLE, DERIVATIONS])
+    };
+    near.map(|key| format!(" (is '{key}=' meant?)")).unwrap_or_default()
 }
 
 /// A grammar as people edit it: `axiom = F`, then a rule a line.
@@ -173,11 +218,12 @@ pub fn write_grammar(grammar: &Grammar) -> String {
 pub fn parse_grammar(text: &str) -> Result<Grammar, ParseError> {
     let mut axiom = None;
     let mut rules = Vec::new();
-    for line in lines(text) {
+    let text = without_comments(text)?;
+    for line in lines(&text) {
         if line.text.is_empty() || line.text.starts_with("//") {
             continue;
         }
-        if let Some(value) = line.value_of(AXIOM) {
+        if let Some(value) = line.axiom() {
             once(&mut axiom, AXIOM, line, value)?;
         } else if is_word(line.text) {
             return Err(line.expected(GRAMMAR_LINES));
@@ -193,6 +239,43 @@ pub fn parse_grammar(text: &str) -> Result<Grammar, ParseError> {
 fn lines(text: &str) -> impl Iterator<Item = Piece<'_>> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     text.lines().enumerate().map(|(i, text)| Piece { text, line: i + 1, column: 1 }.trim())
+}
+
+/// A text with blanks in place of what stands between `/*` and `*/`, so that all places stay what they are.
+fn without_comments(text: &str) -> Result<Cow<'_, str>, ParseError> {
+    if !text.contains("/*") {
+        return Ok(text.into());
+    }
+    let mut blanked = String::with_capacity(text.len());
+    // Where the comment began that is open.
+    let mut open: Option<Piece<'_>> = None;
+    for (number, line) in text.split_inclusive('\n').enumerate() {
+        let mut rest = line;
+        loop {
+            let is_open = open.is_some();
+            let is_remark = !is_open && line.trim_start().starts_with("//");
+            let sign = if is_open { "*/" } else { "/*" };
+            let Some((before, behind)) = rest.split_once(sign).filter(|_| !is_remark) else {
+                blank(&mut blanked, rest, is_open);
+                break;
+            };
+            blank(&mut blanked, before, is_open);
+            blanked.push_str("  ");
+            let column = line[..line.len() - behind.len() - sign.len()].chars().count() + 1;
+            open = (!is_open).then_some(Piece { text: sign, line: number + 1, column });
+            rest = behind;
+        }
+    }
+    match open {
+        Some(begin) => Err(begin.error(Problem::expected("a '*/' that ends the comment", None))),
+        None => Ok(blanked.into()),
+    }
+}
+
+/// Adds a piece of a text, as blanks where it is in a comment.
+fn blank(blanked: &mut String, piece: &str, is_comment: bool) {
+    let shown = |c: char| if is_comment && c != '\n' { ' ' } else { c };
+    blanked.extend(piece.chars().map(shown));
 }
 
 /// Keeps a key's value, unless it has one.
@@ -215,6 +298,10 @@ fn is_word(line: &str) -> bool {
         None => (line, ""),
     };
     let first = first.trim_end();
+    // 'F FF' lacks an arrow.
+    if sign.is_empty() && first.chars().nth(1) == Some(' ') {
+        return false;
+    }
     // What else of a rule comes before a sign is a context or an arrow.
     matches!(sign.chars().next(), None | Some('='))
         && first.chars().count() > 1

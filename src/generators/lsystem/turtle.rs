@@ -20,7 +20,7 @@ use linden_skeleton::{Branching, Edge, NO_PARENT};
 /// Wood is no thinner and no thicker, however often its width was multiplied: metres of radius.
 const RADII_M: [f64; 2] = [1e-6, 1e6];
 /// A size of an organ that is no size.
-const LARGEST_ORGAN: f64 = 1e6;
+pub(super) const LARGEST_ORGAN: f64 = 1e6;
 /// How near to a node, in segments, a turtle that drew an outline must come back to stand on it.
 const BACK: f64 = 1e-5;
 

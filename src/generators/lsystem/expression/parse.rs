@@ -89,6 +89,9 @@ impl Parser {
                     }
                     match scope.token(name) {
                         Some(token) => token,
+                        None if Function::named(name).is_some() => {
+                            return Err(reader.misread(no_bracket(name, reader.clone().peek())));
+                        }
                         None => return Err(start.misread(scope.unknown(name))),
                     }
                 }
@@ -153,6 +156,7 @@ impl Parser {
                 }
                 _ => {}
             }
+            reader.check_arrow()?;
             if found.is_none() || reader.at_arrow() {
                 self.reduce(0);
                 return match self.pending.last() {
@@ -248,6 +252,11 @@ fn number(reader: &mut Reader<'_>) -> Result<f64, Misread> {
     }
 }
 
+/// What to say of a function without its brackets.
+fn no_bracket(function: &str, found: Option<char>) -> Problem {
+    Problem::expected(format!("'(' after the function '{function}', as in {function}(x)"), found)
+}
+
 fn unknown_function(name: &str) -> Problem {
     let names = || Function::ALL.iter().map(|function| function.name());
     let hint = match nearest(name, names()) {
@@ -262,9 +271,9 @@ fn arguments_missing(function: Function, found: usize) -> Problem {
 }
 
 /// What to say where an operator should stand.
-fn no_operator(found: Option<char>) -> Problem {
+pub(in super::super) fn no_operator(found: Option<char>) -> Problem {
     let expected = match found {
-        Some('=') => "an operator ('==' compares, '->' begins the successor)",
+        Some('=') => "an operator ('==' compares; behind a condition the arrow is '->')",
         Some('&') => "an operator (is '&&' meant?)",
         Some('|') => "an operator (is '||' meant?)",
         Some('−' | '–') => "an operator (is '-' meant?)",
