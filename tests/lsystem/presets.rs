@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use linden::Quiet;
-use linden::lsystem::{Grammar, TurtleSettings, grow, text};
+use linden::lsystem::{Grammar, LSystem, TurtleSettings, grow, text};
 use toml::Table;
 
 use crate::{assert_sound, segments};
@@ -85,4 +85,17 @@ fn the_older_trees_say_what_their_files_say() {
         assert_eq!(grammar, original.grammar, "{id}");
         assert_eq!((settings.angle_deg, settings.derivations), (original.angle_deg, original.derivations));
     }
+}
+
+/// What is built in has no rule that never applies.
+#[test]
+fn every_rule_of_a_preset_can_apply() {
+    let mut count = 0;
+    for builtin in linden::preset::builtins() {
+        let preset = builtin.load().unwrap();
+        let Some(system) = preset.settings::<LSystem>() else { continue };
+        assert_eq!(system.grammar.unused(), [""; 0], "{}", preset.id);
+        count += 1;
+    }
+    assert!(count > 15, "{count}");
 }

@@ -2,7 +2,7 @@
 
 use linden_base::document::{Datum, Fault, Node, Table};
 use linden_base::input::Inputs;
-use linden_base::knob::{Knob, Value, set, values};
+use linden_base::knob::{Knob, Value, nearest, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
     Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
@@ -66,7 +66,11 @@ impl Generator for LSystems {
     }
 
     fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
-        let missing = |what: &str| Fault::new(table.place, format!("[lsystem] has no '{what}'"));
+        let missing = |what: &str| {
+            let keys = table.entries.iter().map(|entry| entry.key.as_str());
+            let hint = nearest(what, keys).map(|key| format!(": rename '{key}'"));
+            Fault::new(table.place, format!("[lsystem] has no '{what}'{}", hint.unwrap_or_default()))
+        };
         let axiom = &table.find("axiom").ok_or_else(|| missing("axiom"))?.node;
         let rules = &table.find("rules").ok_or_else(|| missing("rules"))?.node;
         let (items, texts) = texts_of(rules, "rules", "a list of texts like [\"F -> F[+F]F\"]")?;
@@ -91,6 +95,9 @@ impl Generator for LSystems {
         Ok(Box::new(settings))
     }
 }
+
+/// Rules that never apply are named up to this many.
+const MOST_NOTES: usize = 8;
 
 /// The key that declares constants as knobs.
 const KNOBS_KEY: &str = "knobs";
@@ -218,7 +225,12 @@ impl Settings for LSystem {
             branching.radii = Some(vec![radius_m; branching.positions.len()]);
         }
         let most_nodes = self.symbol_limit;
-        Ok(Branched { branching, organs, most_nodes, symbols: Some(symbols), ..Branched::default() })
+        let mut notes = self.grammar.unused();
+        if notes.len() > MOST_NOTES {
+            let more = notes.split_off(MOST_NOTES).len();
+            notes.push(format!("{more} more rules never apply"));
+        }
+        Ok(Branched { branching, organs, most_nodes, symbols: Some(symbols), notes, ..Branched::default() })
     }
 
     fn sampler<'a>(
@@ -228,5 +240,33 @@ impl Settings for LSystem {
         monitor: &'a dyn Monitor,
     ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
         Ok(Box::new(Fewer::new(self, size, monitor)?))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_key_that_is_nearly_right_is_named() {
+        for (text, message) in [
+            ("axiom = 'F'\nrule = ['F -> FF']", "[lsystem] has no 'rules': rename 'rule'"),
+            ("axiom = 'F'", "[lsystem] has no 'rules'"),
+        ] {
+            let Datum::Table(entries) = Node::from_toml(text).unwrap().datum else { panic!("a table") };
+            let table = Table { entries: &entries, place: None, text: None };
+            assert_eq!(GENERATOR.read(&table).map(drop).unwrap_err().to_string(), message);
+        }
+    }
+
+    #[test]
+    fn rules_that_never_apply_are_noted() {
+        let rules: Vec<String> = ('a'..='m').map(|symbol| format!("{symbol} -> F")).collect();
+        let settings = LSystem::of(Grammar::new("F", &rules).unwrap());
+        let task = Task { inputs: &Inputs::new(), seed: 1, wood: Wood::default() };
+        let notes = settings.grow(&task, &linden_base::monitor::Quiet).unwrap().notes;
+        assert_eq!(notes.len(), MOST_NOTES + 1);
+        assert_eq!(notes[0], "rule 1 (a -> F) never applies: no a comes up");
+        assert_eq!(notes[MOST_NOTES], "5 more rules never apply");
     }
 }

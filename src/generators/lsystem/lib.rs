@@ -52,6 +52,7 @@ mod settings;
 pub mod text;
 mod turtle;
 mod turtle_settings;
+mod unused;
 mod variation;
 
 pub use define::DefineError;
