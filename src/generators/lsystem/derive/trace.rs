@@ -110,7 +110,7 @@ pub fn trace(
     let mut drawing = Drawing { turtle, drawn: Vec::new() };
     let mut outlet = Outlet::new(&program, &limited, None, monitor, &mut drawing);
     let Rewritten { string, origins, writers } =
-        rewrite(&mut outlet).map_err(|error| refused(error).of(grammar))?;
+        rewrite(&mut outlet, usize::MAX).map_err(|error| refused(error).of(grammar))?;
     let next_rules = match next_rules(&program, &string, settings.derivations, monitor) {
         // What the next step cannot decide is no fault of this word.
         Err(LsystemError::Written { .. }) => vec![None; string.modules.len()],
@@ -167,8 +167,10 @@ struct Rewritten {
     writers: Vec<Option<u32>>,
 }
 
-fn rewrite<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<Rewritten, LsystemError> {
+/// Derives a word of which the words on the way have no more than `most` modules in sum.
+fn rewrite<S: Sink>(outlet: &mut Outlet<'_, S>, most: usize) -> Result<Rewritten, LsystemError> {
     let program = outlet.program;
+    let mut work = 0;
     let mut string = axiom(program, outlet.settings)?;
     let mut origins = Vec::new();
     let mut writers = vec![None; string.modules.len()];
@@ -181,9 +183,16 @@ fn rewrite<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<Rewritten, LsystemErro
         let next = step.apply(outlet)?;
         writers = origins.iter().map(|origin| origin.rule.or(writers[origin.parent as usize])).collect();
         lists.spare = std::mem::replace(&mut string, next);
+        work += string.modules.len();
+        if work > most {
+            return Err(outlet.past_limit());
+        }
     }
     Ok(Rewritten { string, origins, writers })
 }
+
+/// Modules that are derived anew in search of a rule: about a second.
+const MOST_SEARCHED: usize = 50_000_000;
 
 /// An error of a module with the rule that wrote the module, where deriving anew finds it: a word of up to
 /// [`MAX_TRACED`] modules is derived with the rule of each, and drawn to where the error is.
@@ -210,28 +219,26 @@ pub(crate) fn with_writer(
     if !is_of_module {
         return error;
     }
-    match writer(&error, program, settings, monitor) {
-        Some(writer) => error.by(writer),
-        None => error,
-    }
+    met_again(&error, program, settings, monitor).unwrap_or(error)
 }
 
-fn writer(
+/// The same error with its rule, if deriving anew leads to it.
+fn met_again(
     error: &LsystemError,
     program: &Program,
     settings: &TurtleSettings,
     monitor: &dyn Monitor,
-) -> Option<Option<u32>> {
+) -> Option<LsystemError> {
     let limited = TurtleSettings { symbol_limit: settings.symbol_limit.min(MAX_TRACED), ..*settings };
     let mut turtle = Turtle::new(program, &limited, 0, 0, monitor).ok()?;
     turtle.start(0.0, 0.0, Key::new(0));
     let mut drawing = Drawing { turtle, drawn: Vec::new() };
     let mut outlet = Outlet::new(program, &limited, None, monitor, &mut drawing);
-    let Rewritten { string, writers, .. } = rewrite(&mut outlet).ok()?;
+    let Rewritten { string, writers, .. } = rewrite(&mut outlet, MOST_SEARCHED).ok()?;
     let text = Text { program, buffer: &string };
     let again = draw(&mut outlet, &text).err()?;
     let index = culprit(&again, &text, drawing.drawn.len()).filter(|_| again == *error)?;
-    writers.get(index).copied()
+    writers.get(index).map(|&writer| again.by(writer))
 }
 
 /// The module that is to blame for an error of the turtle, which obeyed `drawn` modules before.
