@@ -279,9 +279,8 @@ fn what_goes_wrong_while_growing_names_the_rule_that_wrote_it() {
                 "{way:?}"
             );
         }
-        let undrawn = trace(&grammar, &settings, &Quiet)
-            .map(|word| word.undrawn.unwrap())
-            .unwrap_or_else(|error| error);
+        let undrawn =
+            trace(&grammar, &settings, &Quiet).map_or_else(|error| error, |word| word.undrawn.unwrap());
         assert_eq!(undrawn.to_string(), message);
     }
 }

@@ -2,11 +2,11 @@
 
 use std::io;
 
+use linden::Monitor;
 use linden::knob::{Kind, Knob, Value, integer, names, real, real_or_auto};
 use linden::monitor::Holding;
 use linden::scene::Scene;
 use linden::stage::Stage;
-use linden::Monitor;
 use linden_exporters::writing::fit;
 use linden_exporters::{
     Bundle, Encoding, ExportError, Exporter, Format, Holds, LooksIn, OptionSpec, Options, Readable, recipe_in,

@@ -269,6 +269,23 @@ mod tests {
         }
     }
 
+    /// A few bundles of twigs far out pass for wood as thick as the stem.
+    #[test]
+    fn chance_circles_far_out_are_not_believed() {
+        let law = |growth: f64| 0.003 * libm::pow(growth, 0.45);
+        let stem = (0..60).map(|i| 600.0 + 20.0 * f64::from(i)).map(|growth_m| (growth_m, law(growth_m)));
+        let bundles = (0..6).map(|i| (55.0 + 4.0 * f64::from(i), 0.8 * law(1000.0)));
+        let nodes = |of: Vec<(f64, f64)>| -> Vec<Looked> {
+            of.into_iter().map(|(growth_m, radius_m)| Looked { growth_m, radius_m, places: 1 }).collect()
+        };
+        let found = Allometry::of(&nodes(stem.clone().chain(bundles).collect()), None).unwrap();
+        let alone = Allometry::of(&nodes(stem.collect()), None).unwrap();
+        assert!(!found.is_known(60.0) && found.is_known(700.0));
+        for growth_m in [1.0, 60.0, 300.0, 1000.0] {
+            assert_eq!(found.radius_m(growth_m), alone.radius_m(growth_m));
+        }
+    }
+
     /// Of a tree of which only the stem shows circles, all else follows from it and from its twigs.
     #[test]
     fn wood_that_is_too_thin_to_be_measured_tapers_to_a_twig() {

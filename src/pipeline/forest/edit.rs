@@ -86,7 +86,7 @@ mod tests {
         let mut turned = 0;
         for row in FOREST_KNOBS {
             for value in ["0.5", "2", "true", "false", "grid"] {
-                let mut layout = plain.clone();
+                let mut layout = plain;
                 if layout.set(row.knob.name, value).is_err() {
                     continue;
                 }
