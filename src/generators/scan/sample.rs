@@ -9,16 +9,19 @@ use linden_base::monitor::Monitor;
 use linden_growth::sample::{Lengthening, trunk_share};
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler, Task};
+use rayon::prelude::*;
 
 use crate::settings::Segmentation;
 use crate::trees::chosen;
-use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m};
+use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m, z_order};
 
 pub(crate) struct ScanPart {
     settings: ScanSettings,
     /// With a part of the points.
     inputs: Inputs,
     lengthening: Lengthening,
+    /// How many nodes the tree of all points has, where these lie on bark.
+    whole_nodes: Option<f64>,
     /// The sample's points ÷ all.
     share: f64,
     coarser: f64,
@@ -47,12 +50,16 @@ impl ScanPart {
             smaller.thin = 0.0;
         }
         smaller.growth.max_nodes = settings.growth.max_nodes.min(size.nodes);
-        let (mut coarser, mut longer) = (1.0, 1.0);
+        let (mut coarser, mut longer, mut whole_nodes) = (1.0, 1.0, None);
         let mut inputs = Inputs::new();
         if let Some(input) = input.filter(|_| share < 1.0) {
             let part = spread(given, most);
             if settings.contract {
-                longer = longer_steps(&mut smaller, given, &part, monitor);
+                if let Some(steps) = Steps::of(settings, given, &part, monitor) {
+                    smaller.growth.step_m = Some(steps.seen_m);
+                    longer = steps.seen_m / steps.whole_m;
+                    whole_nodes = Some(nodes_along(given, steps.whole_m / steps.scale));
+                }
             } else {
                 coarser = libm::cbrt(1.0 / share);
             }
@@ -67,6 +74,7 @@ impl ScanPart {
             settings: smaller,
             inputs,
             lengthening: Lengthening::new(settings.growth.max_nodes, longer),
+            whole_nodes,
             share,
             coarser,
             point_times: if is_grid { 1.0 } else { (points as f64 / most as f64).max(1.0) },
@@ -87,7 +95,10 @@ impl Sampler for ScanPart {
         let longer = self.lengthening.longer;
         let crowding = if self.settings.contract { 1.0 } else { 1.0 / self.share };
         let (wood_times, leaf_times) = if self.settings.contract {
-            (longer, 1.0)
+            // Few points show no twigs.
+            let wood_times =
+                self.whole_nodes.map_or(longer, |nodes| nodes / grown.positions.len().max(1) as f64);
+            (wood_times, wood_times / longer)
         } else {
             let trunk = trunk_share(grown);
             let per_node = (1.0 - trunk) * crowding + trunk * self.coarser;
@@ -110,21 +121,45 @@ fn spread(points: &[DVec3], count: usize) -> Vec<DVec3> {
     (0..count).filter_map(|i| points.get((i as f64 * every) as usize)).copied().collect()
 }
 
-/// Gives a part of a scan steps that it can be seen in. How many times as long they are as those of the
-/// whole.
-fn longer_steps(smaller: &mut ScanSettings, points: &[DVec3], part: &[DVec3], monitor: &dyn Monitor) -> f64 {
-    // Points on bark: as many a square metre as there are.
-    let sparser = (points.len() as f64 / part.len().max(1) as f64).sqrt();
-    let Ok(Some(spacing_m)) = point_spacing_m(part, monitor) else { return 1.0 };
-    let scale = smaller.scale.unwrap_or_else(|| likely_scale(part));
-    let spacing_m = spacing_m * scale;
-    let low = part.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = part.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let height_m = (high - low).max_element() * scale;
-    let whole = smaller.growth.step_m.unwrap_or_else(|| detail_m(spacing_m / sparser, height_m));
-    let seen = detail_m(spacing_m, height_m).max(whole);
-    if seen > whole {
-        smaller.growth.step_m = Some(seen);
+/// The steps of a tree that grows into a scan.
+struct Steps {
+    /// Of all points, metres.
+    whole_m: f64,
+    /// Which a part of them can be seen in.
+    seen_m: f64,
+    /// Metres for a unit of the points.
+    scale: f64,
+}
+
+impl Steps {
+    fn of(settings: &ScanSettings, points: &[DVec3], part: &[DVec3], monitor: &dyn Monitor) -> Option<Self> {
+        // Points on bark: as many a square metre as there are.
+        let sparser = (points.len() as f64 / part.len().max(1) as f64).sqrt();
+        let scale = settings.scale.unwrap_or_else(|| likely_scale(part));
+        let spacing_m = scale * point_spacing_m(part, monitor).ok()??;
+        let low = part.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let high = part.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+        let height_m = (high - low).max_element() * scale;
+        let whole_m = settings.growth.step_m.unwrap_or_else(|| detail_m(spacing_m / sparser, height_m));
+        Some(Self { whole_m, seen_m: detail_m(spacing_m, height_m).max(whole_m), scale })
     }
-    seen / whole
+}
+
+/// About how many nodes a tree has that grows into points on its bark in such steps: twice what the numbers of cubes that
+/// hold points, with sides of one and of two steps, lead on to with sides of four (`docs/scans.md`). Twigs fill hardly
+/// fewer larger cubes, limbs a quarter of them.
+fn nodes_along(points: &[DVec3], step: f64) -> f64 {
+    let [single, double] = [step, 2.0 * step].map(|side| cubes_with_points(points, side) as f64);
+    2.0 * double * double / single.max(1.0)
+}
+
+/// How many cubes of a grid hold points.
+fn cubes_with_points(points: &[DVec3], side: f64) -> usize {
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let side = side.max((high - low).max_element() / z_order::MOST);
+    let mut cubes: Vec<u64> = points.par_iter().map(|p| z_order::number((*p - low) / side)).collect();
+    cubes.par_sort_unstable();
+    cubes.dedup();
+    cubes.len()
 }
