@@ -122,12 +122,13 @@ fn larger_trees_are_forecast_from_a_sample() {
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 
-/// Of trees that nothing was fitted on; before their twigs were counted in cubes, a rowan was forecast a seventeenth of its nodes.
+/// Of trees that nothing was fitted on. Few of the points show no twigs: before cubes were counted, a rowan was forecast a
+/// seventeenth of its nodes.
 #[test]
 fn scans_are_forecast_from_a_sample() {
     let mut faults = Vec::new();
     for (id, step_deg) in
-        [("drawn-rowan", 0.1), ("cypress", 0.12), ("abop-ternary-a", 0.2), ("european-larch", 0.3)]
+        [("flame", 0.12), ("drawn-linden", 0.15), ("abop-ternary-a", 0.2), ("scots-pine", 0.3)]
     {
         let grown = grow(&recipe(builtin(id).unwrap()), &Quiet).unwrap();
         let mut target = Target::default();

@@ -145,12 +145,15 @@ impl Steps {
     }
 }
 
-/// About how many nodes a tree has that grows into points on its bark in such steps: twice what the numbers of cubes that
-/// hold points, with sides of one and of two steps, lead on to with sides of four (`docs/scans.md`). Twigs fill hardly
-/// fewer larger cubes, limbs a quarter of them.
+/// Nodes of a tree by the cubes of a grid that hold points of its bark, with sides of one, two and four steps: fitted on ten
+/// scans of eight species, dense and sparse ones, of which each comes out within a quarter.
+const NODES_PER_CUBE: f64 = 5.3;
+
+/// About how many nodes a tree has that grows into points on its bark in such steps. Cubes of four steps go by the length of
+/// wood; where cubes of one step are many for those of two, limbs are thicker than steps, and fewer nodes run through them.
 fn nodes_along(points: &[DVec3], step: f64) -> f64 {
-    let [single, double] = [step, 2.0 * step].map(|side| cubes_with_points(points, side) as f64);
-    2.0 * double * double / single.max(1.0)
+    let [one, two, four] = [1.0, 2.0, 4.0].map(|steps| cubes_with_points(points, steps * step) as f64);
+    NODES_PER_CUBE * four * two / one.max(1.0)
 }
 
 /// How many cubes of a grid hold points.
