@@ -148,7 +148,8 @@ impl Bundle {
     /// ```
     /// # use linden_pipeline::preset::builtin;
     /// # use linden_pipeline::{Quiet, dress, grow};
-    /// use linden_exporters::{Bundle, Options, Stage, find};
+    /// use linden_exporters::{Bundle, Options, find};
+    /// use linden_pipeline::stage::Stage;
     /// # let recipe = builtin("fir")?.recipe(&Quiet)?;
     /// # let scene = dress::dress(&recipe, &grow::grow(&recipe, &Quiet)?, &Quiet)?;
     /// let obj = find("obj")?;

@@ -341,7 +341,7 @@ mod tests {
     const FRUIT: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n";
 
     fn preset() -> Preset {
-        let text = "id = \"apple\"\n[lsystem]\naxiom = \"F~F\"\nrules = []\n[foliage]\nleaf_form = \"mesh\"\n\
+        let text = "id = \"apple\"\n[lsystem]\naxiom = \"F~L\"\nrules = []\n[foliage]\nleaf_form = \"mesh\"\n\
                     leaf_mesh = \"leaf.obj\"\n[[foliage.also]]\nleaf_form = \"mesh\"\nleaf_mesh = \"fruit.obj\"\n";
         Preset::from_toml(text).unwrap()
     }
