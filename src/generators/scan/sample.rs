@@ -133,15 +133,17 @@ struct Steps {
 
 impl Steps {
     fn of(settings: &ScanSettings, points: &[DVec3], part: &[DVec3], monitor: &dyn Monitor) -> Option<Self> {
-        // Points on bark: as many a square metre as there are.
-        let sparser = (points.len() as f64 / part.len().max(1) as f64).sqrt();
         let scale = settings.scale.unwrap_or_else(|| likely_scale(part));
-        let spacing_m = scale * point_spacing_m(part, monitor).ok()??;
         let low = part.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = part.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
         let height_m = (high - low).max_element() * scale;
-        let whole_m = settings.growth.step_m.unwrap_or_else(|| detail_m(spacing_m / sparser, height_m));
-        Some(Self { whole_m, seen_m: detail_m(spacing_m, height_m).max(whole_m), scale })
+        let detail_of = |points: &[DVec3]| {
+            let spacing = point_spacing_m(points, monitor).ok()??;
+            Some(detail_m(scale * spacing, height_m))
+        };
+        // How far apart the points of the part are does not tell it: along twigs they thin out faster than on a stem.
+        let whole_m = settings.growth.step_m.or_else(|| detail_of(points))?;
+        Some(Self { whole_m, seen_m: detail_of(part)?.max(whole_m), scale })
     }
 }
 
