@@ -65,7 +65,7 @@ enum Place {
         label: String,
         out: Box<dyn Write + Send>,
     },
-    Memory(InMemory),
+    Memory(MemoryFiles),
 }
 
 /// A file that was kept in memory.
@@ -78,7 +78,7 @@ pub struct MemoryFile {
     pub bytes: Vec<u8>,
 }
 
-struct InMemory {
+struct MemoryFiles {
     /// What names of side files start with.
     stem: String,
     main: MemoryFile,
@@ -163,13 +163,13 @@ impl Bundle {
     pub fn in_memory(name: &str) -> Self {
         let main = MemoryFile { name: name.to_owned(), bytes: Vec::new() };
         let stem = stem::plain(Path::new(name));
-        Self::at(Place::Memory(InMemory { stem, main, sides: Vec::new() }), &System)
+        Self::at(Place::Memory(MemoryFiles { stem, main, sides: Vec::new() }), &System)
     }
 
     /// The files of a bundle [in memory](Bundle::in_memory), the main one first; of any other bundle none.
     pub fn into_files(self) -> Vec<MemoryFile> {
         match self.place {
-            Place::Memory(InMemory { main, sides, .. }) => std::iter::once(main).chain(sides).collect(),
+            Place::Memory(MemoryFiles { main, sides, .. }) => std::iter::once(main).chain(sides).collect(),
             Place::Files(_) | Place::Pipe { .. } | Place::Stream { .. } => Vec::new(),
         }
     }
@@ -239,7 +239,9 @@ impl Bundle {
                 write(&mut sink)?;
                 sink.finish().map(|_| ())
             }
-            Place::Memory(InMemory { main, .. }) => Sink::gather(&main.name, &mut main.bytes, monitor, write),
+            Place::Memory(MemoryFiles { main, .. }) => {
+                Sink::gather(&main.name, &mut main.bytes, monitor, write)
+            }
         }
     }
 
@@ -257,7 +259,7 @@ impl Bundle {
     /// digits, `-`, `_`, `.` and `+`.
     pub fn side_name(&self, suffix: &str) -> String {
         match &self.place {
-            Place::Files(Files { stem, .. }) | Place::Memory(InMemory { stem, .. }) => {
+            Place::Files(Files { stem, .. }) | Place::Memory(MemoryFiles { stem, .. }) => {
                 format!("{stem}{}", stem::plain_suffix(suffix))
             }
             Place::Pipe { .. } | Place::Stream { .. } => String::new(),

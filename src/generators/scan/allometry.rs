@@ -133,7 +133,9 @@ impl Twig {
 fn exponent(thinnest: &Class, thickest: &Class, twig: Twig) -> f64 {
     let squared = |x: f64| x * x;
     let (span, rise) = (thickest.length - thinnest.length, thickest.radius - thinnest.radius);
-    let (to_twig, fall) = (thinnest.length - libm::log(TWIG_GROWTH_M), thinnest.radius - twig.radius);
+    // Where what was measured bears less than a twig there is no way to one.
+    let to_twig = (thinnest.length - libm::log(TWIG_GROWTH_M)).max(0.0);
+    let fall = thinnest.radius - twig.radius;
     // A slope that steep has another reason: the tree has no such twigs.
     let steepness = ((fall / to_twig - LEONARDO) / STEEP).max(0.0);
     let trust = if twig.is_given { 1.0 } else { 1.0 / (1.0 + squared(squared(steepness))) };
@@ -309,6 +311,15 @@ mod tests {
             assert!((0.55..1.75).contains(&alone), "{twig_m} {growth_m}: {alone}");
             assert!((0.94..1.1).contains(&told), "{twig_m} {growth_m}: {told}");
         }
+    }
+
+    /// Wood of 2 cm with a hand of wood beyond it ends in no twig, and goes on as usual.
+    #[test]
+    fn trees_with_thick_ends_have_no_twigs_to_taper_to() {
+        let ends = [Looked { growth_m: 0.1, radius_m: 0.01, places: 9 }; 9];
+        let usual = 0.01 * libm::pow(0.2, USUAL_EXPONENT.0);
+        let found = Allometry::of(&ends, None).unwrap().radius_m(0.02);
+        assert!((found / usual - 1.0).abs() < 0.01, "{found} {usual}");
     }
 
     #[test]

@@ -9,11 +9,11 @@ use linden_base::monitor::Monitor;
 use linden_growth::sample::{Lengthening, trunk_share};
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler, Task};
-use rayon::prelude::*;
 
+use crate::cubes::thin;
 use crate::settings::Segmentation;
 use crate::trees::chosen;
-use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m, z_order};
+use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m};
 
 pub(crate) struct ScanPart {
     settings: ScanSettings,
@@ -154,17 +154,6 @@ const NODES_PER_CUBE: f64 = 5.3;
 /// About how many nodes a tree has that grows into points on its bark in such steps. Cubes of four steps go by the length of
 /// wood; where cubes of one step are many for those of two, limbs are thicker than steps, and fewer nodes run through them.
 fn nodes_along(points: &[DVec3], step: f64) -> f64 {
-    let [one, two, four] = [1.0, 2.0, 4.0].map(|steps| cubes_with_points(points, steps * step) as f64);
+    let [one, two, four] = [1.0, 2.0, 4.0].map(|steps| thin(points, steps * step).len() as f64);
     NODES_PER_CUBE * four * two / one.max(1.0)
-}
-
-/// How many cubes of a grid hold points.
-fn cubes_with_points(points: &[DVec3], side: f64) -> usize {
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-    let side = side.max((high - low).max_element() / z_order::MOST);
-    let mut cubes: Vec<u64> = points.par_iter().map(|p| z_order::number((*p - low) / side)).collect();
-    cubes.par_sort_unstable();
-    cubes.dedup();
-    cubes.len()
 }

@@ -14,6 +14,25 @@ fn fir(path: PathBuf) -> Vec<Written> {
 }
 
 #[test]
+fn files_in_memory_are_those_on_the_disk() {
+    let fir = tree("fir").unwrap().set("points", "60").unwrap().set("lods", "2").unwrap().grow().unwrap();
+    for exporter in linden::export::REGISTRY {
+        let format = exporter.format();
+        let folder = tempfile::tempdir().unwrap();
+        let name = format!("fir.{}", format.extensions.first().unwrap_or(&format.id));
+        let options = || linden::export::Options::new(format);
+        let on_disk = fir.export_as(*exporter, options(), folder.path().join(&name)).unwrap();
+        let in_memory = fir.export_to_memory_as(*exporter, options(), &name).unwrap();
+        assert_eq!(in_memory.notes, on_disk.notes, "{}", format.id);
+        let written = fs::read_dir(folder.path()).unwrap().count();
+        assert_eq!(in_memory.files.len(), written, "{}", format.id);
+        for file in &in_memory.files {
+            assert!(fs::read(folder.path().join(&file.name)).unwrap() == file.bytes, "{}", file.name);
+        }
+    }
+}
+
+#[test]
 fn every_written_file_is_a_tree_again() {
     let mut read_back = 0;
     for exporter in linden::export::REGISTRY {

@@ -1,7 +1,6 @@
 //! A forest on screen, in the place of a tree: its picture, and a form of the knobs that lay it out.
 
 pub mod save;
-mod save_line;
 pub mod view;
 
 use std::path::{Path, PathBuf};
@@ -10,7 +9,6 @@ use std::sync::Arc;
 use linden::forest::{FOREST_KNOBS, Forest, LayoutError};
 use linden::knob::{Knob, Value};
 
-pub use self::save_line::ForestSaveLine;
 use super::effect::{Effect, Effects};
 use super::model::{FormSpot, Model};
 use super::picture;

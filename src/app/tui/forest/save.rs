@@ -11,6 +11,7 @@ use linden::preset::builtin;
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
 use crate::paths::show;
+use crate::tui::shape::save::is_document;
 use crate::tui::tree::TreePlace;
 
 /// No document that people write is larger.
@@ -56,7 +57,7 @@ fn document_of(from: &TreePlace) -> Result<String, String> {
         TreePlace::Builtin(id) => builtin_forest(id)
             .map(|builtin| builtin.text.to_owned())
             .map_err(|_| format!("there is no built-in forest '{id}'")),
-        TreePlace::File(path) if path.extension().is_none_or(|ending| ending != "toml") => Err(format!(
+        TreePlace::File(path) if !is_document(path) => Err(format!(
             "{} carries its forest with it and is no document; 'Copy recipe' gives what it says",
             show(path)
         )),

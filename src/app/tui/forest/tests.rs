@@ -146,11 +146,11 @@ fn a_forest_is_saved_under_a_name() {
     let path = dir.path().join("presets/orchard-2.toml");
     assert_eq!(forest(&bench).place, TreePlace::File(path.clone()));
     assert!(!forest(&bench).is_modified() && forest(&bench).wanted().name == "orchard-2");
-    // Over itself, after a second Enter.
+    // Over itself, after a question.
     bench.keys("n s enter");
-    assert!(bench.screen().contains("Enter again replaces it"), "{}", bench.screen());
+    assert!(bench.screen().contains("replace 'orchard-2'? y or n"), "{}", bench.screen());
     let seed = forest(&bench).wanted().layout.seed;
-    bench.keys("enter");
+    bench.keys("y");
     save(&mut bench);
     assert!(std::fs::read_to_string(path).unwrap().contains(&format!("seed = {seed}")));
     assert!(!forest(&bench).is_modified());

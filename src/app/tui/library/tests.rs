@@ -1,6 +1,6 @@
 //! Changed trees whose files go away.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use linden::Quiet;
 
@@ -18,15 +18,21 @@ fn relist(bench: &mut FormBench, dir: &Path) {
     bench.send(Msg::Presets(presets, complaints));
 }
 
-#[test]
-fn a_changed_tree_stays_in_the_list_when_its_file_goes() {
+/// A preset of the user's on screen and in the list: its folder, its file.
+fn own_preset() -> (tempfile::TempDir, PathBuf, FormBench) {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("presets/mine.toml");
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     std::fs::write(&path, DOCUMENT).unwrap();
-    let place = TreePlace::File(path.clone());
-    let mut bench = FormBench::at(place.clone(), dir.path().to_owned());
+    let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
     relist(&mut bench, dir.path());
+    (dir, path, bench)
+}
+
+#[test]
+fn a_changed_tree_stays_in_the_list_when_its_file_goes() {
+    let (dir, path, mut bench) = own_preset();
+    let place = TreePlace::File(path.clone());
     bench.model.library.select_place(&place);
     bench.on("points").keys("right");
     let turned = bench.value("points");
@@ -69,13 +75,8 @@ fn one_that_is_as_saved_goes_with_its_file() {
 
 #[test]
 fn a_preset_is_removed_after_a_question() {
-    let dir = tempfile::tempdir().unwrap();
-    let path = dir.path().join("presets/mine.toml");
-    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    std::fs::write(&path, DOCUMENT).unwrap();
+    let (dir, path, mut bench) = own_preset();
     let place = TreePlace::File(path.clone());
-    let mut bench = FormBench::at(place.clone(), dir.path().to_owned());
-    relist(&mut bench, dir.path());
     bench.model.focus_on(Pane::Presets);
     bench.model.library.select_place(&TreePlace::Builtin("fir"));
     bench.keys("delete");

@@ -11,7 +11,7 @@ use super::{
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
-use crate::tui::forest::{self, ForestOnScreen, ForestSaveLine};
+use crate::tui::forest::{self, ForestOnScreen};
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_form, without_preset};
 use crate::tui::tree::{Tree, TreePlace, grammar_of};
@@ -373,11 +373,13 @@ pub const COMMANDS: &[Command] = &[
         },
         run: |model, _| {
             model.end_comparison();
-            if let Some(line) = ForestSaveLine::new(model) {
+            if let Some(forest) = &model.forest {
+                let id = save::proposed(model, &forest.wanted().id, &forest.place);
+                let line = SaveLine::of_forest(forest, &id);
                 return model.dialogs.open(line);
             }
             let Some(tree) = &model.tree else { return };
-            let line = SaveLine::new(tree, &save::proposed(model));
+            let line = SaveLine::of_tree(tree, &save::proposed(model, &tree.preset().id, &tree.place));
             model.dialogs.open(line);
         },
     },

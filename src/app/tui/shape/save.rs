@@ -22,15 +22,9 @@ use crate::tui::tree::TreePlace;
 /// No document that people write is larger.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// The id that saving proposes: a preset of the user's keeps its own, of any other it is a copy with
+/// The id that saving proposes for what has an id and comes from a place, a tree or a forest: one of the user's keeps its id, of any other it is a copy with
 /// the first number that is free.
-pub fn proposed(model: &Model) -> String {
-    let Some(tree) = &model.tree else { return String::new() };
-    proposed_for(model, &tree.preset().id, &tree.place)
-}
-
-/// The same for what has an id and comes from a place: a forest, too.
-pub fn proposed_for(model: &Model, id: &str, from: &TreePlace) -> String {
+pub fn proposed(model: &Model, id: &str, from: &TreePlace) -> String {
     if file_of(model, id).is_some_and(|path| *from == TreePlace::File(path)) {
         return id.to_owned();
     }

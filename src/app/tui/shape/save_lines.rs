@@ -1,8 +1,9 @@
-//! The id that a tree is saved under, typed, and the question whether a preset of that id is replaced.
+//! The id that a tree or a forest is saved under, typed, and the question whether what has that id is replaced.
 
 use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use linden::forest::Forest;
 use linden::recipe::Recipe;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -12,6 +13,7 @@ use crate::tui::chrome::prompt::{self, Prompt, Remark};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::{Effect, Effects};
+use crate::tui::forest::ForestOnScreen;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
 use crate::tui::tree::{Tree, TreePlace};
@@ -26,30 +28,40 @@ pub struct SaveLine {
 /// The line of the answer: yes or no.
 struct ReplaceLine {
     prompt: Prompt,
-    /// The preset in question.
+    /// The id in question.
     id: String,
     what: Saving,
 }
 
-/// What is saved: the tree that the line was opened for, whatever is on screen when it is accepted.
+/// What is saved: what the line was opened for, whatever is on screen when it is accepted.
 #[derive(Clone)]
-struct Saving {
-    from: TreePlace,
-    recipe: Arc<Recipe>,
+enum Saving {
+    Tree { from: TreePlace, recipe: Arc<Recipe> },
+    Forest { from: TreePlace, forest: Arc<Forest> },
 }
 
 impl Saving {
     /// Asks for it to be saved.
     fn order(&self, id: String, overwrite: bool, effects: &mut Effects) {
-        let Self { from, recipe } = self.clone();
-        effects.push(Effect::Save { id, from, recipe, overwrite });
+        effects.push(match self.clone() {
+            Self::Tree { from, recipe } => Effect::Save { id, from, recipe, overwrite },
+            Self::Forest { from, forest } => Effect::SaveForest { id, from, forest, overwrite },
+        });
     }
 }
 
 impl SaveLine {
     /// For a tree, with an id to begin with.
-    pub fn new(tree: &Tree, id: &str) -> Self {
-        let what = Saving { from: tree.place.clone(), recipe: Arc::clone(tree.recipe()) };
+    pub fn of_tree(tree: &Tree, id: &str) -> Self {
+        Self::new(Saving::Tree { from: tree.place.clone(), recipe: Arc::clone(tree.recipe()) }, id)
+    }
+
+    /// For a forest, with an id to begin with.
+    pub fn of_forest(forest: &ForestOnScreen, id: &str) -> Self {
+        Self::new(Saving::Forest { from: forest.place.clone(), forest: Arc::clone(forest.wanted()) }, id)
+    }
+
+    fn new(what: Saving, id: &str) -> Self {
         let mut line = Self { prompt: Prompt::new(id), what };
         line.judge();
         line
@@ -79,7 +91,11 @@ impl Dialog<Model> for SaveLine {
             Some(problem) => Remark { text: problem.clone(), warns: true },
             None => Remark { text: save::consequence(model, self.id()), warns: false },
         };
-        self.prompt.paint_at_bottom(model, "save as", Some(&remark), screen, buffer, view);
+        let label = match &self.what {
+            Saving::Tree { .. } => "save as",
+            Saving::Forest { .. } => "save forest as",
+        };
+        self.prompt.paint_at_bottom(model, label, Some(&remark), screen, buffer, view);
     }
 
     fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
