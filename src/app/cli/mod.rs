@@ -399,11 +399,8 @@ fn noted(grown: Result<Grown, GrowError>, source: &Source, progress: &Progress) 
 }
 
 fn notes(notes: &[String], progress: &Progress) {
-    if !notes.is_empty() {
-        progress.clear();
-    }
     for note in notes {
-        exit::say(&format!("note: {note}"));
+        progress.beside(|| exit::say(&format!("note: {note}")));
     }
 }
 

@@ -18,7 +18,7 @@ use super::outputs::{Files, Outputs};
 use super::placing::explained;
 use super::scene::SceneFlags;
 use crate::cache;
-use crate::exit::{say, sentence};
+use crate::exit::sentence;
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::source::Source;
@@ -85,8 +85,7 @@ impl Plot<'_> {
         };
         crew.run(0..count, work, |row| {
             if let Err(error) = &row.written {
-                progress.clear();
-                say(&format!("note: tree {}: {}", row.number, sentence(error)));
+                super::notes(&[format!("tree {}: {}", row.number, sentence(error))], progress);
             }
             rows.push(row);
             Ok(true)

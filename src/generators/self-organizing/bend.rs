@@ -25,14 +25,13 @@ const MOST: f64 = 0.3;
 const STEEP: f32 = 0.95;
 /// Pipes of which diameters are kept: nearly all internodes have fewer.
 const KEPT: u32 = 256;
+/// Changes of light that are made at a time.
+const BATCH: usize = 1 << 17;
 
-/// What hangs on a node: weight in newtons, and weight times place in newton metres.
-#[derive(Clone, Copy, Default)]
-struct Load {
-    weight: f64,
-    x: f64,
-    z: f64,
-}
+/// What bending knows of a node, in one list, since large trees have little memory to spare. Until the node is reached, from the
+/// tips down, it is what hangs on it: weight in newtons, and weight times place, x and z, in newton metres. Then it is
+/// how much the internode turns where it begins, against the one below, and at last, from the feet up, in all.
+type Slot = [f64; 4];
 
 impl Growth<'_> {
     /// Bends all internodes by what this year added to their loads.
@@ -44,23 +43,24 @@ impl Growth<'_> {
     /// take their shade along.
     pub fn bend(&mut self, monitor: &dyn Monitor) -> Result<(), OverMemory> {
         let pipes = self.nodes.pipes();
-        let turns = self.turns(&pipes);
-        let nodes = &mut self.nodes;
-        // Places before and after, and how much is turned, of all that was looked at.
-        let mut moved: Vec<(DVec3, DQuat)> = Vec::with_capacity(nodes.len());
+        let mut turns = self.turns(&pipes);
+        let before = self.nodes.places.clone();
         let mut changes = Vec::new();
-        for (node, turn) in turns.into_iter().enumerate() {
-            let old = nodes.places[node].as_dvec3();
+        for node in 0..self.nodes.len() {
+            if changes.len() >= BATCH {
+                self.light.change(&mut changes, monitor)?;
+                changes.clear();
+            }
+            let nodes = &mut self.nodes;
             if nodes.is_foot(node) {
-                moved.push((old, DQuat::IDENTITY));
                 continue;
             }
             let parent = nodes.parents[node] as usize;
-            let (parent_old, below) = moved[parent];
-            let all = (below * turn).normalize();
+            let (old, parent_old) = (before[node].as_dvec3(), before[parent].as_dvec3());
+            let all = (DQuat::from_array(turns[parent]) * DQuat::from_array(turns[node])).normalize();
             let all = righted(nodes, node, pipes[node], all, self.settings);
-            moved.push((old, all));
-            if all == DQuat::IDENTITY && nodes.places[parent].as_dvec3() == parent_old {
+            turns[node] = all.to_array();
+            if all == DQuat::IDENTITY && nodes.places[parent] == before[parent] {
                 continue;
             }
             let mut place = nodes.places[parent].as_dvec3() + all * (old - parent_old);
@@ -70,29 +70,30 @@ impl Growth<'_> {
             if self.barriers.bar(place) {
                 place = old;
             }
-            let before = nodes.voxel(node);
+            let from = nodes.voxel(node);
             nodes.places[node] = place.as_vec3();
             nodes.directions[node] = (all * nodes.directions[node].as_dvec3()).normalize().as_vec3();
             nodes.sides[node] = (all * nodes.sides[node].as_dvec3()).normalize().as_vec3();
-            let after = nodes.voxel(node);
-            if after != before && !nodes.is(node, DEAD) {
-                changes.push(Change { voxel: before, is_gone: true });
-                changes.push(Change { voxel: after, is_gone: false });
+            let to = nodes.voxel(node);
+            if to != from && !nodes.is(node, DEAD) {
+                changes.push(Change { voxel: from, is_gone: true });
+                changes.push(Change { voxel: to, is_gone: false });
             }
         }
         self.light.change(&mut changes, monitor)
     }
 
     /// How much each internode turns where it begins, against the one below.
-    fn turns(&mut self, pipes: &[u32]) -> Vec<DQuat> {
+    fn turns(&mut self, pipes: &[u32]) -> Vec<Slot> {
         let settings = self.settings;
         let nodes = &mut self.nodes;
         let kept: Vec<f64> = (0..KEPT).map(|pipes| settings.diameter_m(pipes)).collect();
         let diameter_m =
             |pipes: u32| kept.get(pipes as usize).copied().unwrap_or_else(|| settings.diameter_m(pipes));
-        let mut loads = vec![Load::default(); nodes.len()];
-        let mut turns = vec![DQuat::IDENTITY; nodes.len()];
+        let mut slots = vec![Slot::default(); nodes.len()];
         for node in (0..nodes.len()).rev() {
+            let [mut weight, mut x, mut z, _] = slots[node];
+            slots[node] = DQuat::IDENTITY.to_array();
             if nodes.is_foot(node) {
                 continue;
             }
@@ -106,17 +107,15 @@ impl Growth<'_> {
             let is_dead = nodes.is(node, DEAD);
             let leaves = if is_dead { 0.0 } else { GRAVITY * settings.leaf_weight_kg };
             let middle = (start + end) / 2.0;
-            let load = &mut loads[node];
-            load.weight += wood + leaves;
-            load.x += wood * middle.x + leaves * end.x;
-            load.z += wood * middle.z + leaves * end.z;
-            let load = *load;
-            let below = &mut loads[parent];
-            below.weight += load.weight;
-            below.x += load.x;
-            below.z += load.z;
+            weight += wood + leaves;
+            x += wood * middle.x + leaves * end.x;
+            z += wood * middle.z + leaves * end.z;
+            let below = &mut slots[parent];
+            below[0] += weight;
+            below[1] += x;
+            below[2] += z;
             // Of all beyond about the internode's start: its arm is level.
-            let arm = DVec3::new(load.x - load.weight * start.x, 0.0, load.z - load.weight * start.z);
+            let arm = DVec3::new(x - weight * start.x, 0.0, z - weight * start.z);
             let moment = arm.length();
             let more = moment - f64::from(nodes.moments[node]);
             if more <= 0.0 || nodes.orders[node] == 0 {
@@ -126,22 +125,22 @@ impl Growth<'_> {
             let square = diameter * diameter;
             let inertia = PI / 64.0 * square * square;
             let angle = (settings.sag * length * more / (STIFFNESS * inertia)).min(MOST);
-            turns[node] = DQuat::from_axis_angle(DVec3::Y.cross(arm / moment), angle);
+            let turn = DQuat::from_axis_angle(DVec3::Y.cross(arm / moment), angle);
+            slots[node] = until_it_hangs(turn, nodes.directions[node].y).to_array();
         }
-        // No internode turns past the direction in which it hangs.
-        for (turn, direction) in turns.iter_mut().zip(&nodes.directions) {
-            // Most are far from it: an acos each would be a tenth of all growth.
-            if *turn == DQuat::IDENTITY || -direction.y < STEEP {
-                continue;
-            }
-            let hanging = libm::acos(f64::from(-direction.y).clamp(-1.0, 1.0));
-            let (axis, angle) = turn.to_axis_angle();
-            if angle > hanging {
-                *turn = DQuat::from_axis_angle(axis, hanging);
-            }
-        }
-        turns
+        slots
     }
+}
+
+/// No internode turns past the direction in which it hangs; how far it rises is the height of its direction.
+fn until_it_hangs(turn: DQuat, rise: f32) -> DQuat {
+    // Most are far from it: an acos each would be a tenth of all growth.
+    if turn == DQuat::IDENTITY || -rise < STEEP {
+        return turn;
+    }
+    let hanging = libm::acos(f64::from(-rise).clamp(-1.0, 1.0));
+    let (axis, angle) = turn.to_axis_angle();
+    if angle > hanging { DQuat::from_axis_angle(axis, hanging) } else { turn }
 }
 
 /// How much an internode is turned in all, where it is turned by `all` before it rights itself.

@@ -203,7 +203,9 @@ impl<'a> Growth<'a> {
         let bole = self.nodes.bole(self.settings);
         self.fell();
         let lost = shed(&mut self.nodes, &sums, self.settings, self.year, bole);
+        drop(sums);
         let shoots = self.shoots(&shares);
+        drop(shares);
         self.admit(&shoots, lost.nodes, monitor)?;
         let old = self.nodes.len();
         self.sprout(&shoots, bole.into(), monitor)?;
@@ -284,8 +286,7 @@ impl<'a> Growth<'a> {
             let (year, years) = (self.year, self.settings.years_grown());
             return Err(SelfOrganizingError::TooManyNodes { year, years, nodes, limit });
         }
-        // Lists may move to places twice as large.
-        let bytes = (there + new).saturating_mul(2 * NODE_BYTES) + self.light.bytes();
+        let bytes = (there + new).saturating_mul(NODE_BYTES) + self.light.bytes();
         Ok(monitor.admit(DOING, bytes, ADVICE)?)
     }
 
@@ -295,6 +296,7 @@ impl<'a> Growth<'a> {
         bole: f64,
         monitor: &dyn Monitor,
     ) -> Result<(), SelfOrganizingError> {
+        self.nodes.reserve(shoots.iter().map(|shoot| shoot.internodes as usize).sum());
         for (number, shoot) in shoots.iter().enumerate() {
             if number % 1024 == 0 {
                 monitor.check()?;
@@ -335,7 +337,8 @@ impl<'a> Growth<'a> {
     pub fn finish(mut self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
         self.drop_seedlings();
         let trees = self.trees();
-        let Self { settings, barriers, nodes, shed, .. } = self;
+        let Self { settings, barriers, nodes, light, shed, .. } = self;
+        drop(light);
         monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
         let pipes = nodes.pipes();
         let is_root = |&node: &usize| !nodes.is_foot(node);

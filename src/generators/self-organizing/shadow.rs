@@ -133,6 +133,45 @@ pub(crate) struct Change {
     pub is_gone: bool,
 }
 
+/// Bricks by number, in stacks that stay where they are: a list would have to be copied as it grows.
+#[derive(Clone, Debug, Default)]
+struct Bricks {
+    stacks: Vec<Box<[Brick]>>,
+    count: u32,
+}
+
+impl Bricks {
+    /// Bricks of a stack.
+    const STACK: u32 = 64;
+    const STACK_BYTES: u64 = bytes_of::<Brick>(Self::STACK as usize);
+
+    fn is_full(&self) -> bool {
+        self.count as usize == self.stacks.len() * Self::STACK as usize
+    }
+
+    fn bytes(&self) -> u64 {
+        self.stacks.len() as u64 * Self::STACK_BYTES
+    }
+
+    fn get(&self, brick: u32) -> &Brick {
+        &self.stacks[(brick / Self::STACK) as usize][(brick % Self::STACK) as usize]
+    }
+
+    fn get_mut(&mut self, brick: u32) -> Option<&mut Brick> {
+        self.stacks.get_mut((brick / Self::STACK) as usize)?.get_mut((brick % Self::STACK) as usize)
+    }
+
+    /// Adds a brick without shade; its number.
+    fn push(&mut self) -> u32 {
+        if self.is_full() {
+            let bright = [[0; EDGE as usize]; (EDGE * EDGE) as usize];
+            self.stacks.push(vec![bright; Self::STACK as usize].into());
+        }
+        self.count += 1;
+        self.count - 1
+    }
+}
+
 /// The shade in all voxels. Bricks of 8³ appear where something is shaded; without one, there is no shade.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightGrid {
@@ -142,7 +181,7 @@ pub(crate) struct LightGrid {
     size: [i32; 3],
     /// Numbers of bricks, or [`NO_BRICK`]; z runs fastest, then x.
     index: Vec<u32>,
-    bricks: Vec<Brick>,
+    bricks: Bricks,
 }
 
 impl LightGrid {
@@ -152,7 +191,7 @@ impl LightGrid {
             None | Some(NO_BRICK) => 0,
             Some(brick) => {
                 let [x, y, z] = voxel.map(|v| v & (EDGE - 1));
-                self.bricks[brick as usize][(y * EDGE + x) as usize][z as usize]
+                self.bricks.get(brick)[(y * EDGE + x) as usize][z as usize]
             }
         }
     }
@@ -261,12 +300,12 @@ impl LightGrid {
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        bytes_of::<u32>(self.index.capacity()) + bytes_of::<Brick>(self.bricks.capacity())
+        bytes_of::<u32>(self.index.capacity()) + self.bricks.bytes()
     }
 
     fn brick_mut(&mut self, brick: Voxel) -> Option<&mut Brick> {
         let slot = self.slot(brick)?;
-        self.bricks.get_mut(self.index[slot] as usize)
+        self.bricks.get_mut(self.index[slot])
     }
 
     /// Where the index has a brick.
@@ -299,14 +338,10 @@ impl LightGrid {
     }
 
     fn new_brick(&mut self, monitor: &dyn Monitor) -> Result<u32, OverMemory> {
-        let count = self.bricks.len();
-        if count == self.bricks.capacity() {
-            let more = (count / 2).max(64);
-            monitor.admit(DOING, self.bytes() + bytes_of::<Brick>(count + more), ADVICE)?;
-            self.bricks.reserve_exact(more);
+        if self.bricks.is_full() {
+            monitor.admit(DOING, self.bytes() + Bricks::STACK_BYTES, ADVICE)?;
         }
-        self.bricks.push([[0; EDGE as usize]; (EDGE * EDGE) as usize]);
-        Ok(count as u32)
+        Ok(self.bricks.push())
     }
 
     /// Makes the index hold a box of bricks, with some room towards where it grew.

@@ -19,44 +19,75 @@ pub(crate) const SHED: u8 = 4;
 /// The node is dead wood: it has neither leaves nor buds.
 pub(crate) const DEAD: u8 = 8;
 
+/// Declares lists of equal length, and what is done to all of them.
+macro_rules! lists {
+    ($(#[$about:meta])* $lists:ident { $($(#[$note:meta])* $name:ident: $kind:ty,)+ }) => {
+        $(#[$about])*
+        pub(crate) struct $lists {
+            $($(#[$note])* pub $name: Vec<$kind>,)+
+        }
+
+        impl $lists {
+            /// Bytes of an entry in all lists.
+            const BYTES: u64 = 0 $(+ size_of::<$kind>() as u64)+;
+
+            /// Makes room for just so many more.
+            pub fn reserve(&mut self, more: usize) {
+                $(self.$name.reserve_exact(more);)+
+            }
+
+            /// An entry is overwritten by another.
+            fn overwrite(&mut self, to: usize, from: usize) {
+                $(self.$name[to] = self.$name[from];)+
+            }
+
+            fn truncate(&mut self, count: usize) {
+                $(self.$name.truncate(count);)+
+            }
+        }
+    };
+}
+
+lists! {
 /// A node is the end of an internode, with its leaves and their buds; the foot of a tree ends none.
 /// Lengths are in internodes, the edge of a voxel.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Nodes {
-    pub parents: Vec<u32>,
-    pub places: Vec<Vec3>,
+Nodes {
+    parents: u32,
+    places: Vec3,
     /// Of the internode that ends here; of length 1.
-    pub directions: Vec<Vec3>,
+    directions: Vec3,
     /// Across the direction, where the first lateral bud is; of length 1.
-    pub sides: Vec<Vec3>,
+    sides: Vec3,
     /// What is drawn here and above.
-    pub keys: Vec<Key>,
+    keys: Key,
     /// The year, and the part of it in [`PARTS`].
-    pub births: Vec<u32>,
+    births: u32,
     /// Of the axis: 0 for a stem.
-    pub orders: Vec<u8>,
-    pub flags: Vec<u8>,
+    orders: u8,
+    flags: u8,
     /// Dormant lateral buds, a bit each.
-    pub buds: Vec<u8>,
+    buds: u8,
     /// Years in a row in which the branch that begins here was too dark; of one that died, since then.
-    pub dark_years: Vec<u8>,
+    dark_years: u8,
     /// Tips that were shed from here.
-    pub shed_tips: Vec<u32>,
+    shed_tips: u32,
     /// The largest moment of what hung on the internode so far, newton metres.
-    pub moments: Vec<f32>,
+    moments: f32,
     /// How far the internode rose when it grew, the height of its direction.
-    pub rises: Vec<f32>,
+    rises: f32,
     /// Its pipes of the year before.
-    pub pipes_before: Vec<u32>,
+    pipes_before: u32,
+}
 }
 
 /// Births in a year.
 pub(crate) const PARTS: u32 = 16;
 
 /// Bytes of a node with all that a year works out for it.
-pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + 4 + 4 + 4 + YEAR_BYTES;
-/// Light, sums, shares; or, as much, loads and turns.
-const YEAR_BYTES: u64 = 4 + 4 * 8 + 7 * 8 + 2 * 16;
+pub(crate) const NODE_BYTES: u64 = Nodes::BYTES + YEAR_BYTES;
+/// Light and sums (28) with shares and the lists of children (32), or, later, pipes, loads and places before (48).
+const YEAR_BYTES: u64 = 28 + 32;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug)]
@@ -135,38 +166,11 @@ impl Nodes {
             let parent = self.parents[node];
             let parent = if parent == NO_PARENT { NO_PARENT } else { numbers[parent as usize] };
             numbers[node] = kept;
-            let to = kept as usize;
-            self.parents[to] = parent;
-            self.places[to] = self.places[node];
-            self.directions[to] = self.directions[node];
-            self.sides[to] = self.sides[node];
-            self.keys[to] = self.keys[node];
-            self.births[to] = self.births[node];
-            self.orders[to] = self.orders[node];
-            self.flags[to] = self.flags[node];
-            self.buds[to] = self.buds[node];
-            self.dark_years[to] = self.dark_years[node];
-            self.shed_tips[to] = self.shed_tips[node];
-            self.moments[to] = self.moments[node];
-            self.rises[to] = self.rises[node];
-            self.pipes_before[to] = self.pipes_before[node];
+            self.overwrite(kept as usize, node);
+            self.parents[kept as usize] = parent;
             kept += 1;
         }
-        let kept = kept as usize;
-        self.parents.truncate(kept);
-        self.places.truncate(kept);
-        self.directions.truncate(kept);
-        self.sides.truncate(kept);
-        self.keys.truncate(kept);
-        self.births.truncate(kept);
-        self.orders.truncate(kept);
-        self.flags.truncate(kept);
-        self.buds.truncate(kept);
-        self.dark_years.truncate(kept);
-        self.shed_tips.truncate(kept);
-        self.moments.truncate(kept);
-        self.rises.truncate(kept);
-        self.pipes_before.truncate(kept);
+        self.truncate(kept as usize);
     }
 
     /// How many tips hang on each node, those that were shed included: the pipes of the pipe model

@@ -152,8 +152,7 @@ impl Batch {
                     stopped = Some(said);
                     return Ok(false);
                 }
-                progress.clear();
-                say(&format!("note: {said}"));
+                super::notes(&[said], &progress);
             }
             Ok(true)
         })?;

@@ -156,8 +156,7 @@ fn grown(base: &linden::recipe::Recipe, trees: u64, progress: &Progress) -> anyh
             Ok(report) => reports.push(report),
             Err(error) => {
                 failed += 1;
-                progress.clear();
-                say(&format!("note: seed {seed}: {}", sentence(&error)));
+                super::notes(&[format!("seed {seed}: {}", sentence(&error))], progress);
             }
         }
         seed = seed.wrapping_add(1);

@@ -18,7 +18,7 @@ use self::effects::Effects;
 use self::rows::{Existing, Opened, Table, TableKind};
 use super::GrowArgs;
 use super::placing::is_dash;
-use crate::exit::{say, usage};
+use crate::exit::usage;
 use crate::progress::Progress;
 use crate::source;
 
@@ -224,8 +224,7 @@ impl Sweep {
                     stopped = Some(said);
                     return Ok(false);
                 }
-                progress.clear();
-                say(&format!("note: {said}"));
+                super::notes(&[said], &progress);
             }
             Ok(true)
         })?;
