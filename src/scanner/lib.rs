@@ -143,8 +143,9 @@ pub fn scan(
     settings.check()?;
     let key = Key::new(settings.seed).named("scanner");
     let stands = Stand::of(target, settings, key)?;
-    let ground = settings.ground.then(|| target.ground(&stands, settings.rise())).flatten();
-    let seen = target.bounds_with(ground).ok_or(ScannerError::Nothing)?;
+    // It hides what is below, roots, be it scanned or not.
+    let ground = target.ground(&stands, settings.rise());
+    let seen = target.bounds_with(ground.filter(|_| settings.ground)).ok_or(ScannerError::Nothing)?;
     let grids: Vec<Grid> = stands
         .iter()
         .zip(0..)

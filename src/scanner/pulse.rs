@@ -87,6 +87,7 @@ impl Caster<'_> {
     /// Where a ray ends, if it comes back.
     fn came_back(&self, origin: DVec3, direction: DVec3, key: Key) -> Option<RayEnd> {
         let end = self.rays.first(origin, direction)?;
-        (end.cos_incidence >= GRAZING || key.unit() < 0.5).then_some(end)
+        let is_shown = end.triangle.is_some() || self.settings.ground;
+        (is_shown && (end.cos_incidence >= GRAZING || key.unit() < 0.5)).then_some(end)
     }
 }

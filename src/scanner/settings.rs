@@ -25,7 +25,7 @@ pub struct ScannerSettings {
     /// Standard deviation of a stand's place as it was registered, along each axis, metres; 0 to 1. Stands are turned too:
     /// by 0.02° where this is 3 mm, and in proportion.
     pub registration_m: f64,
-    /// Whether there is ground at the foot of the tree.
+    /// Whether the ground at the foot of the tree gives points; it hides what is below in any case.
     pub ground: bool,
     /// By how much the ground, and what stands on it, rises along x, degrees; -60 to 60.
     pub slope_deg: f64,

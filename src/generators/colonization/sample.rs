@@ -80,6 +80,7 @@ impl Sampler for Smaller {
             point_times: self.point_times,
             crowding: 1.0 / self.share,
             coarser: self.coarser,
+            ..Multiple::ONE
         }))
     }
 }

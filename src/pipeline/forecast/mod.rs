@@ -58,6 +58,8 @@ pub struct Sample {
     pub leaf_times: f64,
     /// Points that the tree grows into ÷ those of the sample: they take time, be the tree larger or not.
     pub point_times: f64,
+    /// How many times as much work the tree is, where that does not go with these.
+    work_times: Option<f64>,
 }
 
 impl Sample {
@@ -68,7 +70,7 @@ impl Sample {
 
     /// How many times as much work the tree is.
     pub fn work_times(&self) -> f64 {
-        self.wood_times.max(self.leaf_times).max(self.point_times)
+        self.work_times.unwrap_or_else(|| self.wood_times.max(self.leaf_times).max(self.point_times))
     }
 
     /// Nodes of the tree's skeleton.
@@ -124,7 +126,7 @@ pub fn sample(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Sample, GrowErro
     // A few on the trunk, which a multiple of the sample would have more of.
     bare.preset.refinement.side = SideWood::default();
     let (mut recipe, mut grown, multiple) = small(bare, monitor)?;
-    let Multiple { wood_times, mut leaf_times, point_times, crowding, coarser } = multiple;
+    let Multiple { wood_times, mut leaf_times, point_times, crowding, coarser, work_times } = multiple;
     // More could not be counted in bytes, and nothing is so large.
     let wood_times = wood_times.min(MOST_TIMES);
     recipe.preset.dressing.foliage = foliage;
@@ -145,7 +147,8 @@ pub fn sample(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Sample, GrowErro
         leaf_times /= part;
         thin(&mut recipe.preset, part);
     }
-    Ok(Sample { recipe, grown, wood_times, leaf_times: leaf_times.min(MOST_TIMES), point_times })
+    let leaf_times = leaf_times.min(MOST_TIMES);
+    Ok(Sample { recipe, grown, wood_times, leaf_times, point_times, work_times })
 }
 
 /// How often refinement halves all segments.

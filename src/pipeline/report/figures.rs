@@ -11,7 +11,7 @@ use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
 use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey_by};
 use linden_skeleton::{
-    BREAST_HEIGHT_M, Forks, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
+    Axis, BREAST_HEIGHT_M, Forks, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
 };
 
 use super::{Corners, ReportError};
@@ -22,6 +22,9 @@ use crate::recipe::Recipe;
 /// Where the classes of wood by diameter end, metres; the last has no end. Wood of 7 cm and more is what foresters
 /// call merchantable (Derbholz).
 pub const DIAMETERS_M: [f64; 7] = [0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.5];
+
+/// Laterals this long, as a share of the height, begin a crown.
+const LONG_LATERAL: f64 = 0.05;
 
 /// The wood of one order.
 #[derive(Clone, Copy, Default)]
@@ -148,9 +151,7 @@ impl<'a> Figures<'a> {
             (canopy.vertices, canopy.triangles) = (vertices as usize, triangles as usize);
         }
         monitor.check()?;
-        let laterals = skeleton.axes.iter().filter(|axis| axis.order == 1);
-        let bases = laterals.map(|axis| f64::from(skeleton.positions[axis.parent as usize].y));
-        let crown_base_m = canopy.lowest_leaf_m.or(bases.reduce(f64::min));
+        let crown_base_m = canopy.lowest_leaf_m.or_else(|| lowest_lateral_m(&skeleton, floor_m));
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
         let ((measures, wood), branching) = rayon::join(
             || {
@@ -201,6 +202,12 @@ impl<'a> Figures<'a> {
             canopy,
             skeleton,
         })
+    }
+
+    /// Of the thickest stem at breast height, where it gets there: as it was measured on a scan, else as its tube is.
+    pub fn dbh_m(&self) -> Option<f64> {
+        let dbh_m = self.tubes.dbh_m?;
+        Some(if self.skeleton.fits.is_empty() { dbh_m } else { self.measures.trunk_diameter_m })
     }
 
     /// Of wood and everything on it, above the lowest node, metres.
@@ -292,6 +299,21 @@ impl<'a> Figures<'a> {
         let all = self.survey.bounds.into_iter().chain(leaves).reduce(Bounds::union);
         all.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }).into()
     }
+}
+
+/// Where the lowest lateral of a stem leaves, as high as the axes have it: of those that are long beside the tree, as crowns
+/// have shoots below them, and scans what points beside a stem were taken for. Of all, where none is.
+fn lowest_lateral_m(skeleton: &Skeleton, floor_m: f64) -> Option<f64> {
+    let height = |node: u32| f64::from(skeleton.positions[node as usize].y);
+    let top = (0..skeleton.positions.len() as u32).map(height).fold(floor_m, f64::max);
+    let least_m = LONG_LATERAL * (top - floor_m);
+    let length_m = |axis: &Axis| -> f64 {
+        skeleton.nodes_of(axis).iter().map(|&node| skeleton.segment_length(node as usize)).sum()
+    };
+    let laterals = || skeleton.axes.iter().filter(|axis| axis.order == 1);
+    let lowest =
+        |laterals: &mut dyn Iterator<Item = &Axis>| laterals.map(|axis| height(axis.parent)).reduce(f64::min);
+    lowest(&mut laterals().filter(|axis| length_m(axis) >= least_m)).or_else(|| lowest(&mut laterals()))
 }
 
 /// What bears out the radius at breast height.

@@ -200,14 +200,14 @@ numbers! {
         ("") = |f| f.skeleton.segments();
 
     trunk_diameter_m: f64, Stem "diameter" ["m"] Wood
-        "of the stem that is thickest at its foot, trunk_diameter_at_m above it, as its tube has it, with a flare that reaches there: of the circle with as much area; between two rings by linear interpolation"
-        ("") = |f| f.tubes.dbh_m.unwrap_or(f.tubes.base_diameter_m);
+        "of the stem that is thickest at its foot, trunk_diameter_at_m above it, as its tube has it, with a flare that reaches there: of the circle with as much area; between two rings by linear interpolation. At breast height of a scan it is the measured radii's, as cylinders have them (format qsm), whatever surface lies on them"
+        ("") = |f| f.dbh_m().unwrap_or(f.tubes.base_diameter_m);
     trunk_diameter_at_m: f64, Stem "measured at" ["m"] Wood
         "where trunk_diameter_m is measured, from the foot along the stem and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
-        ("") = |f| f.tubes.dbh_m.map_or(0.0, |_| BREAST_HEIGHT_M);
+        ("") = |f| f.dbh_m().map_or(0.0, |_| BREAST_HEIGHT_M);
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
         "diameter at breast height: trunk_diameter_m where that is at 1.3 m, null for a shorter stem"
-        ("West 2015, Tree and Forest Measurement") = |f| f.tubes.dbh_m;
+        ("West 2015, Tree and Forest Measurement") = |f| f.dbh_m();
     dbh_se_m: Option<f64>, Stem "its standard error" ["m"] Wood
         "standard error of dbh_m, as far as noise and the part of the turn that was seen go: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
         ("Chernov 2010, Circular and Linear Regression") = |f| f.breast_fit.map(|fit| 2.0 * f64::from(fit.se_m));
@@ -258,7 +258,7 @@ numbers! {
         "as crown_volume_m3, of these nodes and all leaves"
         ("") = |f| f.all.solid.volume();
     crown_base_m: Option<f64>, Crown "base" ["m"] All
-        "height above the lowest node at which the lowest leaf is attached; of a tree without leaves, at which the lowest lateral of a stem leaves; null where there is neither"
+        "height above the lowest node at which the lowest leaf is attached; of a tree without leaves, at which the lowest lateral of a stem leaves that is at least a twentieth of height_m long (of any length where none is); null where there is neither"
         ("US Forest Service, FIA Field Guide, uncompacted live crown ratio: the lowest live foliage") = |f| f.crown_base_m();
 
     wood_volume_m3: f64, Wood "volume" ["m³"] Wood

@@ -57,7 +57,7 @@ pub(super) struct Ring {
     /// Where the axis bends: how much wider the ring is within the bend, as a vector in the ring's plane. A
     /// circle of either segment, cut off by that plane, is longer there.
     pub mitre: Vec3,
-    /// Arc length from the base, metres.
+    /// Arc length from the base, metres; less than 0 where a stem goes on into the ground.
     pub along: f32,
 }
 
@@ -79,6 +79,31 @@ impl Ring {
         }
     }
 }
+
+/// The most that a stem leans at its foot for its tube to go on into the ground, as the cosine: 60°.
+const LEANS: f32 = 0.5;
+/// Tubes whose foot rises less on one side stay as they are, in radii.
+const LEVEL: f32 = 0.01;
+
+/// Lets the tube of a stem that leans go on straight down into the ground, level where it ends: across its axis the foot would
+/// stand on one side alone. Says how far down, metres.
+pub(super) fn sink(stations: &mut Vec<Station>) -> f32 {
+    let [foot, next, ..] = stations.as_slice() else { return 0.0 };
+    let up = (next.position - foot.position).normalize_or_zero();
+    let sine = (up.x * up.x + up.z * up.z).sqrt();
+    if up.y < LEANS || sine < LEVEL {
+        return 0.0;
+    }
+    // At the foot the ring stands across the bisector: half as steep. Below it there is room for its lower side.
+    let tangent_of_half = sine / (1.0 + up.y);
+    let below_m = foot.onward * (WIDEST_FOOT * tangent_of_half + 0.05);
+    let under = Station::new(foot.position - Vec3::Y * below_m, foot.onward);
+    stations.insert(0, under);
+    below_m
+}
+
+/// The corners of a foot, in radii: of few sides they stand out, and so do buttresses.
+const WIDEST_FOOT: f32 = 1.5;
 
 /// Cosine of the sharpest turn that a ring can bridge, 143°: beyond it the band on either side is
 /// sheared so much that its normals no longer fit its faces.
@@ -124,12 +149,14 @@ const CORNERS_APART: f32 = 4.0;
 ///
 /// A station whose ring would cut the previous one (a sharp turn of thick wood) is passed over. The base
 /// is always kept, the apex unless it stands on the base; fewer than two stations give no rings. Nothing
-/// steps at either end. `reach` is how far the corners of a ring stand, in radii; `kept` is memory to work in.
+/// steps at either end. `reach` is how far the corners of a ring stand, in radii; `kept` is memory to work in. The first station is
+/// `below_m` below the foot from which rings are measured.
 ///
 /// Whether the axis bends so much somewhere that its tube has to be looked at: what is checked here are rings,
 /// not the triangles between rings of few and other numbers of sides.
 pub(super) fn rings(
     stations: &[Station],
+    below_m: f32,
     reach: impl Fn(f32) -> f32,
     kept: &mut Vec<Kept>,
     rings: &mut Vec<Ring>,
@@ -145,7 +172,7 @@ pub(super) fn rings(
     }
     let last = kept.len() - 1;
     let is_bent = kept.windows(2).any(|pair| !is_gentle(&pair[0], &pair[1], GENTLEST));
-    let mut along = 0.0;
+    let mut along = -below_m;
     let mut side = kept[0].tangent.any_orthonormal_vector();
     for (i, here) in kept.iter().enumerate() {
         if i > 0 {

@@ -16,7 +16,7 @@ use glam::{Vec3, Vec4};
 use super::Survey;
 use super::features::Ends;
 use super::path::Ring;
-use super::tube::band_wraps;
+use super::tube::Wraps;
 use super::tube_form::{Circle, Roundness, TubeForm};
 use linden_base::mesh::Bounds;
 use linden_base::topology::{SOUND, Topology, is_sound};
@@ -95,7 +95,7 @@ impl PlainTubes {
         self.joints.clear();
         let (mut vertices, mut triangles) = (0, 0);
         let mut boxed = [[Vec4::INFINITY; 3], [Vec4::NEG_INFINITY; 3]];
-        let mut before = None;
+        let (mut before, mut pictures) = (None, Wraps::default());
         let mut below = None;
         for (i, ring) in rings.iter().enumerate() {
             let circle = roundness.circle(ring.radius, 0);
@@ -119,7 +119,7 @@ impl PlainTubes {
                 }
                 Some(_) => return None,
             }
-            let wraps = rings.get(i + 1).map(|next| band_wraps(ring, next, form, tile_m));
+            let wraps = rings.get(i + 1).map(|next| pictures.between(ring, next, form, tile_m));
             let stands_twice = i > 0 && wraps.is_some() && wraps != before;
             vertices += (sides + 1) * (1 + usize::from(stands_twice));
             self.joints.push((sides as u16) << 1 | u16::from(stands_twice));

@@ -28,6 +28,8 @@ pub(super) struct Course<'a> {
     forks: Forks,
     stools: Stools,
     boles: Boles,
+    /// Height of the lowest foot, metres; infinite where stems are to stay as they are.
+    ground_m: f32,
 }
 
 impl<'a> Course<'a> {
@@ -44,7 +46,12 @@ impl<'a> Course<'a> {
         let stools = Stools::new(skeleton, &tubes.features.roots);
         let boles = Boles::new(skeleton, &tubes.features.stubs);
         let fineness = Fineness::of(skeleton, tubes);
-        Self { skeleton, tubes, roundness, fineness, places, forks: Forks::new(skeleton), stools, boles }
+        let forks = Forks::new(skeleton);
+        let ground_m = match skeleton.width_steps {
+            WidthSteps::Taper => ground_m(skeleton),
+            WidthSteps::Cylinder => f32::INFINITY,
+        };
+        Self { skeleton, tubes, roundness, fineness, places, forks, stools, boles, ground_m }
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
@@ -108,7 +115,9 @@ impl<'a> Course<'a> {
         } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
-        form.is_bent = path::rings(stations, |radius_m| self.roundness.reach(radius_m), kept, rings);
+        let sinks = is_stem && base.position.y - self.ground_m <= base.radius;
+        let below_m = if sinks { path::sink(stations) } else { 0.0 };
+        form.is_bent = path::rings(stations, below_m, |radius_m| self.roundness.reach(radius_m), kept, rings);
         form
     }
 
@@ -179,6 +188,13 @@ impl<'a> Course<'a> {
     }
 }
 
+/// The height of the lowest foot.
+fn ground_m(skeleton: &Skeleton) -> f32 {
+    let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+    let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
+    feet.map(|&foot| skeleton.positions[foot as usize].y).fold(f32::INFINITY, f32::min)
+}
+
 /// Memory that the axes of a plan are laid in, one after the other.
 #[derive(Default)]
 struct Scratch {
@@ -233,7 +249,7 @@ impl Plan {
         let Some(stem) = course.boles.stem(axis) else { return };
         let key = roots::stem_key(course.skeleton, axis).named("stubs");
         let bole = Bole {
-            rings: &self.rings[rings.clone()],
+            rings: above_ground(&self.rings[rings.clone()]),
             flare,
             crown_m: stem.crown_m,
             radius_m: stem.radius_m,
@@ -249,7 +265,7 @@ impl Plan {
     /// Adds the roots of a stem whose rings are these.
     fn add_roots(&mut self, course: &Course<'_>, axis: u32, rings: &Range<usize>, flare: Option<Flare>) {
         let Tubes { sides, ref features, .. } = *course.tubes;
-        let stem = &self.rings[rings.clone()];
+        let stem = above_ground(&self.rings[rings.clone()]);
         let all = course.stools.roots_of(course.skeleton, axis, stem, flare, (&features.roots, sides));
         for laid in all {
             let form = TubeForm { axis, ..TubeForm::default() };
@@ -290,6 +306,12 @@ impl Plan {
     }
 }
 
+/// The rings of a stem without the one that it ends with in the ground.
+fn above_ground(rings: &[Ring]) -> &[Ring] {
+    let in_ground = rings.first().is_some_and(|base| base.along < 0.0);
+    &rings[usize::from(in_ground)..]
+}
+
 /// Whether smooth wood has rings between its nodes anywhere.
 pub fn bends(skeleton: &Skeleton, tubes: &Tubes) -> bool {
     let course = Course::new(skeleton, tubes);
@@ -328,6 +350,7 @@ pub(super) fn planned_bytes_of(skeleton: &Skeleton, axes: &[Axis], tubes: &Tubes
 
 /// The most rings of an axis.
 fn most_rings(skeleton: &Skeleton, axis: &Axis, fineness: Fineness) -> usize {
+    // One more for a lateral's root, or a stem's end in the ground.
     let segments = axis.len as usize + 1;
     if fineness.smooth_radius_m == 0.0 {
         return segments.saturating_mul(fineness.rings as usize);

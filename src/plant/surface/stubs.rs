@@ -124,7 +124,7 @@ impl Bole<'_> {
                 .collect()
         };
         let mut rings = Vec::new();
-        let is_bent = path::rings(&stations, |_| 1.2, &mut Vec::new(), &mut rings);
+        let is_bent = path::rings(&stations, 0.0, |_| 1.2, &mut Vec::new(), &mut rings);
         let base_m = radius_m * if healed { BOSS } else { 1.0 };
         let clear_m = 1.5 * radius_m + if healed { f32::MAX } else { 3.0 * radius_m };
         let fillet_m = radius_m * FILLETS[usize::from(healed)];

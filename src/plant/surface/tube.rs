@@ -10,18 +10,35 @@ use super::stretch::Stretch;
 use super::target::{Amount, PlacedRing, Target};
 use super::tube_form::{Circle, Roundness, TubeForm};
 
-/// Pictures round the girth between two rings. They follow the radius; where their number changes,
-/// the ring stands twice, with the coordinates of either side.
+/// Pictures round the girth, from band to band. Where their number changes, a ring stands twice, with the coordinates of
+/// either side, and the bark breaks off all round: they keep their number as long as they are not much too narrow or too wide.
 ///
-/// Round a root they are halved as it gets thinner and do not go one by one: a seam or two instead of many.
-pub(super) fn band_wraps(ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
-    if let Some(root) = &form.root {
-        return root.wraps(f32::midpoint(ring.onward, next.radius), tile_m);
+/// Round a root they are halved as it gets thinner.
+#[derive(Default)]
+pub(super) struct Wraps {
+    last: Option<f32>,
+}
+
+/// The widths at which pictures stay, as shares of a tile's.
+const KEPT_WIDTHS: std::ops::RangeInclusive<f32> = 0.55..=1.5;
+
+impl Wraps {
+    /// Between a ring and the next one up.
+    pub fn between(&mut self, ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
+        if let Some(root) = &form.root {
+            return root.wraps(f32::midpoint(ring.onward, next.radius), tile_m);
+        }
+        let radius_m = f32::midpoint(ring.onward, next.radius);
+        // A flare widens the pictures: with more of them there was a seam all round the foot.
+        let wider =
+            form.flare.map_or(1.0, |flare| flare.wider(f32::midpoint(ring.along, next.along).max(0.0)));
+        let radius_m = radius_m / wider;
+        let width = |wraps: &f32| TAU * radius_m / tile_m / wraps;
+        let kept = self.last.filter(|last| KEPT_WIDTHS.contains(&width(last)));
+        let wraps = kept.unwrap_or_else(|| wraps(radius_m, tile_m));
+        self.last = Some(wraps);
+        wraps
     }
-    let radius_m = f32::midpoint(ring.onward, next.radius);
-    // A flare widens the pictures: with more of them there was a seam all round the foot.
-    let wider = form.flare.map_or(1.0, |flare| flare.wider(f32::midpoint(ring.along, next.along)));
-    wraps(radius_m / wider, tile_m)
 }
 
 /// How much [`sweep`] writes for the same rings.
@@ -30,9 +47,9 @@ pub(super) fn amount(rings: &[Ring], form: &TubeForm, roundness: &Roundness, til
     let sides = |ring: &Ring, radius_m: f32| form.circle(ring, radius_m, roundness).sides() as usize;
     let ends = [sides(base, base.onward), sides(apex, apex.radius)];
     let mut amount = ends::base_amount(ends[0], form).and(ends::tip_amount(ends[1], form.ends));
-    let mut before = None;
+    let (mut before, mut pictures) = (None, Wraps::default());
     for pair in rings.windows(2) {
-        let wraps = band_wraps(&pair[0], &pair[1], form, tile_m);
+        let wraps = pictures.between(&pair[0], &pair[1], form, tile_m);
         let (bottom, top) = (sides(&pair[0], pair[0].onward), sides(&pair[1], pair[1].radius));
         if before != Some(wraps) {
             amount.vertices += bottom + 1;
@@ -96,7 +113,8 @@ pub(super) fn stretches<'a>(
     });
     let between = rings.windows(2).enumerate().map(move |(i, pair)| Stretch {
         axis: form.axis,
-        length_m: f64::from(pair[1].along - pair[0].along),
+        // What is in the ground is not counted.
+        length_m: f64::from(pair[1].along.max(0.0) - pair[0].along.max(0.0)),
         radii_m: [wall.mean_radius_m(i, Of::Above), wall.mean_radius_m(i + 1, Of::Below)],
         is_end: false,
     });
@@ -127,8 +145,9 @@ impl Wall<'_> {
         let circle = form.circle(base, base.onward, roundness);
         ends::close_base(base, form, circle, self.reach(circle), tile_m, target);
         let mut below: Option<(PlacedRing, f32)> = None;
+        let mut pictures = Wraps::default();
         for (i, pair) in rings.windows(2).enumerate() {
-            let wraps = band_wraps(&pair[0], &pair[1], form, tile_m);
+            let wraps = pictures.between(&pair[0], &pair[1], form, tile_m);
             let bottom = match below.take() {
                 Some((placed, same)) if same == wraps => placed,
                 _ => self.ring(i, Of::Above, wraps, target),

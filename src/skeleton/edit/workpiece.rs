@@ -8,7 +8,7 @@ use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
 
 use super::{AxisOrigin, Origins};
-use crate::{Axis, Forks, Marks, NO_PARENT, Skeleton, Tips, WidthSteps};
+use crate::{Axis, Forks, Marks, NO_PARENT, RadiusFit, RadiusSource, Skeleton, Tips, WidthSteps};
 
 /// Two places along an axis that are no farther apart, in lengths of the axis, are one.
 pub(super) const SAME: f64 = 1e-9;
@@ -241,6 +241,29 @@ impl<'a> Workpiece<'a> {
         node.size *= size;
     }
 
+    /// How sure radii are of some nodes, where they were measured: those that are as thick as they were keep it, and what
+    /// was put between two of them was carried on.
+    fn fits(&self, order: &[u32]) -> Vec<RadiusFit> {
+        let grown = self.grown;
+        if grown.fits.is_empty() {
+            return Vec::new();
+        }
+        let fit = |&number: &u32| {
+            let WorkNode { radius_m, origin, bears, .. } = self.nodes[number as usize];
+            let is_as_grown = bears == number && radius_m as f32 == grown.radii[origin as usize];
+            let axis = &self.axes[self.axis_of[number as usize] as usize];
+            let is_between = bears == NO_PARENT && matches!(axis.origin, AxisOrigin::Grown(_));
+            match grown.fits.get(origin as usize) {
+                Some(fit) if is_as_grown => *fit,
+                Some(fit) if is_between && fit.source != RadiusSource::Guessed => {
+                    RadiusFit { source: RadiusSource::Carried, ..RadiusFit::GUESSED }
+                }
+                _ => RadiusFit::GUESSED,
+            }
+        };
+        order.iter().map(fit).collect()
+    }
+
     /// The skeleton that it has become. Nodes keep their order as far as parents come before children.
     pub fn finish(self) -> (Skeleton, Origins, Vec<NodeMove>) {
         let stays: Vec<bool> = self.stays();
@@ -271,7 +294,7 @@ impl<'a> Workpiece<'a> {
             axis_nodes: Vec::with_capacity(count),
             width_steps: self.grown.width_steps,
             marks: Marks { tips: Some(self.tips), ..Marks::default() },
-            fits: Vec::new(),
+            fits: self.fits(&order),
             trees: self.trees(&order),
         };
         let factor = |n: &u32| {

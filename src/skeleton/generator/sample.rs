@@ -53,12 +53,21 @@ pub struct Multiple {
     pub crowding: f64,
     /// Distances of the sample ÷ those of the tree.
     pub coarser: f64,
+    /// How many times as much work the tree is, planning of the sample included; `None` where that goes with the
+    /// largest of the first three.
+    pub work_times: Option<f64>,
 }
 
 impl Multiple {
     /// Where the sample is the whole tree.
-    pub const ONE: Self =
-        Self { wood_times: 1.0, leaf_times: 1.0, point_times: 1.0, crowding: 1.0, coarser: 1.0 };
+    pub const ONE: Self = Self {
+        wood_times: 1.0,
+        leaf_times: 1.0,
+        point_times: 1.0,
+        crowding: 1.0,
+        coarser: 1.0,
+        work_times: None,
+    };
 }
 
 /// Grows the whole tree.

@@ -299,7 +299,7 @@ impl Foot {
         path::thicken(&mut stations, |_| sides);
         path::prepare(&mut stations, 0.0);
         let mut rings = Vec::new();
-        let is_bent = path::rings(&stations, |_| 1.5, &mut Vec::new(), &mut rings);
+        let is_bent = path::rings(&stations, 0.0, |_| 1.5, &mut Vec::new(), &mut rings);
         let length_m = rings.last()?.along;
         let fillet_m = fillet * run.base_m;
         let is_near = |ring: &&Ring| host.near(ring.center).0 < fillet_m + 2.0 * ring.radius;
