@@ -216,9 +216,11 @@ impl<'a> Reader<'a> {
             self.give(key, file)?;
         }
         let mut recipe = self.load(source)?;
+        let foliage = recipe.preset.dressing.foliage.clone();
         for (name, value) in &knobs {
             recipe.preset.set(name, value).map_err(usage)?;
         }
+        self.notes.extend(recipe.preset.dressing.foliage.form_notes(&foliage));
         if self.is_bare_grammar && !knobs.iter().any(|(name, _)| name == "segment_length") {
             self.notes.push(format!("{}: {UNITS}", shown(source)));
         }

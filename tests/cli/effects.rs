@@ -317,3 +317,24 @@ fn an_obstacle_that_nothing_meets_is_named() {
     let far = noted("[300, 0, 0]");
     assert!(far.iter().any(|note| note.contains("part 1: this obstacle is 295.")), "{far:?}");
 }
+
+/// Cards of twigs bear many leaves each, so that as many places bear few leaves of another form.
+#[test]
+fn leaves_of_another_form_than_twigs_are_fewer_and_it_is_said() {
+    let folder = Folder::new();
+    folder.write(
+        "twigs.toml",
+        "id = \"twigs\"\nname = \"T\"\ngroup = \"mine\"\nsummary = \"s\"\nsource = \"s\"\n\n[lsystem]\n\
+         axiom = \"F\"\n\n[foliage]\nleaf_form = \"twig\"\ntwig_leaves = 11\nleaves_per_m = 4\n",
+    );
+    let said = |settings: &[&str]| {
+        let args: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();
+        fine(folder.run(&[&["stats", "twigs.toml"][..], &args].concat())).err
+    };
+    let note = "note: leaves_per_m=4 counted twigs of 11 leaves and counts leaves now; leaves_per_m=44 gives as many \
+                leaves as before\n";
+    assert_eq!(said(&["leaf_form=curved"]), note);
+    for settings in [&["leaf_form=curved", "leaves_per_m=44"][..], &["leaf_form=none"], &["twig_leaves=5"]] {
+        assert!(!said(settings).contains("counted"), "{settings:?}");
+    }
+}

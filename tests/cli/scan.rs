@@ -183,3 +183,39 @@ fn files_say_where_a_scanned_tree_stands_in_its_country() {
     folder.run(&["export", "fir", "--set=points=60", "-o", "fir.obj"]).done();
     assert!(!String::from_utf8(folder.read("fir.obj")).unwrap().contains("foot in"));
 }
+
+/// A stem that is thicker up to a step below breast height, with bark of points every two centimetres.
+fn stepped_stem() -> String {
+    let mut text = String::new();
+    for level in 0..200 {
+        let height = 0.02 * f64::from(level);
+        let radius = if height < 1.0 { 0.2 } else { 0.14 };
+        for corner in 0..48 {
+            let turn = f64::from(corner) / 48.0 * std::f64::consts::TAU;
+            text += &format!("{:.4} {:.4} {height:.4}\n", radius * turn.cos(), radius * turn.sin());
+        }
+    }
+    text
+}
+
+#[test]
+fn what_was_measured_at_breast_height_hangs_on_no_surface_and_stays_when_wood_is_edited() {
+    let folder = Folder::new();
+    folder.write("stem.xyz", &stepped_stem());
+    let stats = |more: &[&str]| folder.run(&[&["stats", "stem.xyz", "--json"], more].concat()).json();
+    let of = |stats: &serde_json::Value| {
+        (stats["dbh_m"].clone(), stats["dbh_source"].clone(), stats["dbh_se_m"].clone())
+    };
+    let usual = stats(&[]);
+    let dbh = usual["dbh_m"].as_f64().unwrap();
+    assert!((dbh / 0.28 - 1.0).abs() < 0.02, "{dbh}");
+    assert_eq!(usual["dbh_source"], "measured");
+    assert_eq!(usual["dbh_m"], usual["trunk_diameter_m"]);
+    for settings in [["--set", "width_smoothing=0"], ["--set", "flare=1"], ["--edit", "cut stem 0.7"]] {
+        let other = stats(&settings);
+        assert_eq!(of(&other), of(&usual), "{settings:?}");
+        assert_ne!(other["wood_volume_m3"], usual["wood_volume_m3"], "{settings:?}");
+    }
+    let thicker = stats(&["--edit", "scale stem thickness=1.5"]);
+    assert_eq!((&thicker["dbh_source"], &thicker["dbh_se_m"]), (&"guessed".into(), &serde_json::Value::Null));
+}

@@ -174,6 +174,24 @@ fn ground_is_level_and_below() {
     }
 }
 
+/// Roots run below it, and no scanner sees them.
+#[test]
+fn nothing_is_seen_below_the_ground_be_it_scanned_or_not() {
+    let recipe = recipe(builtin("olive").unwrap());
+    let mut target = Target::default();
+    target.add(&grow(&recipe, &Quiet).unwrap(), &recipe.preset.dressing.tubes, false, &Quiet).unwrap();
+    let (low, foot) = (target.bounds().unwrap().min.y, target.foot().unwrap().y);
+    assert!(f64::from(low) < foot - 0.1, "{low}");
+    for ground in [false, true] {
+        let mut settings = exact();
+        (settings.ground, settings.step_deg) = (ground, 0.4);
+        let scan = scan(&target, &settings, &Quiet).unwrap();
+        let lowest =
+            scan.points.iter().map(|point| f64::from(point.position.y)).fold(f64::INFINITY, f64::min);
+        assert!(lowest > foot - 1e-4 && lowest < foot + 0.2, "{lowest} {ground}");
+    }
+}
+
 #[test]
 fn any_number_of_threads_gives_the_same_file() {
     let target = target(true);

@@ -337,6 +337,33 @@ impl FoliageSettings {
         self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
     }
 
+    /// What to say of kinds whose leaves_per_m counted twigs with many leaves each and counts leaves now, or the other way
+    /// round, as it is what it was `before`.
+    pub fn form_notes(&self, before: &Self) -> Vec<String> {
+        let note = |(was, is): (&LeafKind, &LeafKind)| {
+            let bears =
+                |kind: &LeafKind| if kind.form == Form::Twig { f64::from(kind.twig_leaves) } else { 1.0 };
+            let is_leafless = |kind: &LeafKind| kind.form == Form::None || kind.per_m == 0.0;
+            let turned = was.form != is.form && [was.form, is.form].contains(&Form::Twig);
+            if !turned || is_leafless(was) || is_leafless(is) || was.per_m != is.per_m {
+                return None;
+            }
+            let kind = is.name.as_ref().map(|name| format!("{name}.")).unwrap_or_default();
+            let as_many = was.per_m * bears(was) / bears(is);
+            let [counted, counts] = [was, is].map(|kind| match kind.form {
+                Form::Twig => format!("twigs of {} leaves", kind.twig_leaves),
+                _ => "leaves".to_owned(),
+            });
+            Some(format!(
+                "{kind}leaves_per_m={} counted {counted} and counts {counts} now; {kind}leaves_per_m={} gives as many \
+                 leaves as before",
+                is.per_m,
+                (10.0 * as_many).round() / 10.0
+            ))
+        };
+        before.kinds().zip(self.kinds()).filter_map(note).collect()
+    }
+
     /// The same, to be changed.
     pub fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
         std::iter::once(&mut self.first).chain(&mut self.also)

@@ -35,6 +35,85 @@ fn pole() -> Skeleton {
     tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 4.0], vec![NO_PARENT, 0, 1], &wood)
 }
 
+/// Seen from all around, nothing of the foot is above the ground, and it ends level; what is counted begins at the ground.
+#[test]
+fn a_leaning_stem_goes_on_into_the_ground() {
+    let wood = Wood { tip_radius_m: Some(0.3), ..Wood::default() };
+    for lean_deg in [0.0_f32, 5.0, 20.0, 40.0] {
+        let (sin, cos) = libm::sincosf(lean_deg.to_radians());
+        let along = Vec3::new(sin, cos, 0.0);
+        let skeleton = tree(vec![Vec3::ZERO, along, along * 5.0], vec![NO_PARENT, 0, 1], &wood);
+        for flare in [0.0, 0.5] {
+            let tubes = with(Features { flare, flare_ridges: 5, flare_depth: 0.6, ..Features::default() });
+            let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
+            assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "{lean_deg} {flare}");
+            let base: Vec<Vec3> = mesh
+                .positions
+                .iter()
+                .zip(&mesh.normals)
+                .filter(|(_, normal)| normal.y < -0.99)
+                .map(|(place, _)| *place)
+                .collect();
+            assert!(base.len() > 5 && base.iter().all(|at| at.y < 1e-6), "{lean_deg} {flare}: {base:?}");
+            let low = base.iter().map(|at| at.y).fold(0.0, f32::min);
+            assert!(
+                base.iter().all(|at| (at.y - low).abs() < 1e-5) && low > -0.3,
+                "{lean_deg} {flare}: {low}"
+            );
+            assert_eq!(low < -0.01, lean_deg > 0.0);
+            // All around it there is wall from there up to above the ground.
+            let turn = |at: &Vec3| libm::atan2f(at.z, at.x).to_degrees();
+            let seen: Vec<&Vec3> = mesh.positions.iter().filter(|at| at.y < 0.5).collect();
+            for sector in (-180..180).step_by(90).map(|from| from as f32..from as f32 + 90.0) {
+                let at = || seen.iter().filter(|at| sector.contains(&turn(at)));
+                assert!(at().any(|at| at.y <= 1e-6) && at().any(|at| at.y > 0.0), "{lean_deg} {sector:?}");
+            }
+        }
+        let drawn = |skeleton: &Skeleton| {
+            let mut length_m = 0.0;
+            survey_by(
+                skeleton,
+                &Tubes::default(),
+                &|stretch| stretch.length_m,
+                &mut |l: f64| length_m += l,
+                &Quiet,
+            )
+            .unwrap();
+            length_m
+        };
+        let upright = drawn(&tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 5.0], vec![NO_PARENT, 0, 1], &wood));
+        assert!((drawn(&skeleton) - upright).abs() < 1e-4, "{lean_deg}");
+    }
+}
+
+/// As coordinates tell: where a ring stands twice, bark breaks off. From one thickness to half of it, it does so once.
+#[test]
+fn bark_keeps_its_pictures_along_a_stem() {
+    let wood = Wood { width: linden_skeleton::Width::Grammar, ..Wood::default() };
+    let count = 40;
+    let at = |i: usize| Vec3::Y * (0.25 * i as f32);
+    let branching = linden_skeleton::Branching {
+        positions: (0..count).map(at).collect(),
+        parents: (0..count as u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
+        births: vec![0; count],
+        radii: Some((0..count).map(|i| 0.4 - 0.25 * i as f32 / count as f32).collect()),
+        edges: None,
+    };
+    let skeleton = Skeleton::build(branching, &wood).unwrap();
+    let tubes = Tubes { bark_tile_m: 0.5, sides: 16, ..Tubes::default() };
+    let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
+    let mut pictures = std::collections::BTreeMap::new();
+    for ((uv, at), normal) in mesh.uvs.iter().zip(&mesh.positions).zip(&mesh.normals) {
+        if normal.y.abs() < 0.5 {
+            let most: &mut f32 = pictures.entry((at.y * 1e3) as i64).or_default();
+            *most = most.max(uv.x);
+        }
+    }
+    let pictures: Vec<f32> = pictures.into_values().collect();
+    let changes = pictures.windows(2).filter(|pair| pair[0] != pair[1]).count();
+    assert!(pictures.len() >= count && pictures[0] == 5.0 && changes <= 1, "{pictures:?}");
+}
+
 #[test]
 fn gnarled_wood_with_everything_stays_closed() {
     let (mut triangles, mut flipped) = (0, 0);

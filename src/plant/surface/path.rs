@@ -368,7 +368,7 @@ mod tests {
     fn swept(mut stations: Vec<Station>) -> Vec<Ring> {
         let mut out = Vec::new();
         prepare(&mut stations, 2.0);
-        rings(&stations, |_| 1.0, &mut Vec::new(), &mut out);
+        rings(&stations, 0.0, |_| 1.0, &mut Vec::new(), &mut out);
         out
     }
 
@@ -420,7 +420,7 @@ mod tests {
                 [0.0, far].map(|y| Station::new(Vec3::new(0.3, y, 0.1), 0.02)).to_vec();
             prepare(&mut stations, 0.0);
             let mut laid = Vec::new();
-            rings(&stations, |_| 1.2, &mut Vec::new(), &mut laid);
+            rings(&stations, 0.0, |_| 1.2, &mut Vec::new(), &mut laid);
             assert!(laid.len() == stations.len(), "{far} m: {} rings of {}", laid.len(), stations.len());
             assert!(laid.iter().all(|ring| (ring.tangent.length() - 1.0).abs() < 1e-4), "{far} m");
         }
