@@ -63,7 +63,7 @@ fn a_leaning_stem_goes_on_into_the_ground() {
             assert_eq!(low < -0.01, lean_deg > 0.0);
             // All around it there is wall from there up to above the ground.
             let turn = |at: &Vec3| libm::atan2f(at.z, at.x).to_degrees();
-            let seen: Vec<&Vec3> = mesh.positions.iter().filter(|at| at.y < 0.5).collect();
+            let seen: Vec<&Vec3> = mesh.positions.iter().filter(|at| at.y < 1.2).collect();
             for sector in (-180..180).step_by(90).map(|from| from as f32..from as f32 + 90.0) {
                 let at = || seen.iter().filter(|at| sector.contains(&turn(at)));
                 assert!(at().any(|at| at.y <= 1e-6) && at().any(|at| at.y > 0.0), "{lean_deg} {sector:?}");
