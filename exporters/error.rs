@@ -124,6 +124,19 @@ pub enum ExportError {
         /// The file in question.
         path: PathBuf,
     },
+    /// A file beside the main one would replace one that a file of another export refers to.
+    #[error(
+        "cannot replace {}: {other} refers to it and would look different; write both in one export, choose \
+         another name, or remove {other} first",
+        printable(&path.to_string_lossy()),
+        other = printable(&by.to_string_lossy())
+    )]
+    Referred {
+        /// The file beside the main one.
+        path: PathBuf,
+        /// The file that refers to it.
+        by: PathBuf,
+    },
     /// The operating system refused.
     #[error("{doing} {what} failed: {source}{}", advice(source))]
     Io {

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 
 use super::file_system::{FileSystem, again, synced};
 use super::record::Record;
+use super::referring::ensure_unreferred;
 use super::staged::Staged;
 use super::temporary::{PART, TempName, placing};
 use super::{Bundle, Files, Place};
@@ -72,7 +73,8 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
 /// Puts the files of all bundles in their places: side files first and main files last, so that
 /// nothing ever refers to a file that is not there. When one cannot be placed, those already placed
 /// are taken back and what was there before is put back. Bundles may share side files (the same
-/// picture beside an OBJ and a glTF) as long as they agree in every byte.
+/// picture beside an OBJ and a glTF) as long as they agree in every byte. A side file with other bytes is replaced only
+/// where no file refers to it but those that are replaced too.
 ///
 /// Files are on the disk before they are placed, and their folders afterwards, unless a bundle is
 /// [unsynced](Bundle::unsynced).
@@ -80,7 +82,7 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
 /// Gives what was written, bundle by bundle, the main file first, and the shared pictures that were there.
 ///
 /// # Errors
-/// [`ExportError::SameTarget`] and [`ExportError::Io`]. One of `syncing the directory of` comes when all
+/// [`ExportError::SameTarget`], [`ExportError::Referred`] and [`ExportError::Io`]. One of `syncing the directory of` comes when all
 /// files are in their places; any other leaves what was there before.
 pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     ensure_distinct(&bundles)?;
@@ -89,9 +91,12 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     let mut mains = Vec::new();
     let mut sides = BTreeMap::new();
     let mut folders = BTreeMap::new();
+    let mut stems = BTreeSet::new();
     for bundle in bundles {
         let is_synced = bundle.is_synced;
-        let Place::Files(Files { main, sides: side_files, there, .. }) = bundle.place else { continue };
+        let families = bundle.membership.map_or_else(Vec::new, |membership| membership.families);
+        let Place::Files(Files { stem, main, sides: side_files, there }) = bundle.place else { continue };
+        stems.extend(families.into_iter().chain([stem]));
         for staged in std::iter::once(&main).chain(&side_files) {
             if !staged.whole {
                 let source = io::Error::other("its writer has not finished");
@@ -116,6 +121,9 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     if let Some(main) = mains.iter().find(|main| sides.contains_key(&compared(main.location.path()))) {
         return Err(ExportError::SameTarget { path: main.location.shown_path() });
     }
+    let replaced =
+        sides.keys().cloned().chain(mains.iter().map(|main| compared(main.location.path()))).collect();
+    ensure_unreferred(system, sides.values(), &stems, &replaced)?;
     place_all(system, sides.into_values().chain(mains).collect())?;
     for (folder, location) in folders {
         let done = again(|| system.open_folder(&folder)).and_then(|open| again(|| system.sync(&open)));

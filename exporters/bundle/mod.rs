@@ -14,6 +14,7 @@ mod file_system;
 mod folders;
 mod pipe;
 mod record;
+mod referring;
 mod shared;
 mod single;
 mod sink;

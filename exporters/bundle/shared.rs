@@ -28,7 +28,7 @@ pub struct Pictures {
 pub(super) struct Membership {
     pictures: Pictures,
     /// What names of pictures that others may refer to start with, most others first; at least one.
-    families: Vec<String>,
+    pub(super) families: Vec<String>,
 }
 
 impl Pictures {

@@ -152,22 +152,24 @@ impl Staged {
 
     /// Whether another file holds the same; one that cannot be read is unlike any other.
     pub fn holds_same(&self, other: &Self) -> bool {
+        self.bytes == other.bytes && self.holds_same_as(other.system, &other.file)
+    }
+
+    /// The same of a file that is open.
+    pub fn holds_same_as(&self, system: &dyn FileSystem, other: &File) -> bool {
         let compare = || -> io::Result<bool> {
-            if self.bytes != other.bytes {
-                return Ok(false);
-            }
             let mut pieces = [vec![0; 1 << 16], vec![0; 1 << 16]];
             let mut offset = 0;
             loop {
                 let [one, two] = &mut pieces;
                 let count = again(|| self.system.read_at(&self.file, one, offset))?;
                 if count == 0 {
-                    return Ok(true);
+                    return Ok(again(|| system.read_at(other, two, offset))? == 0);
                 }
                 let mut read = 0;
                 while read < count {
                     let part = &mut two[read..count];
-                    match again(|| other.system.read_at(&other.file, part, offset + read as u64))? {
+                    match again(|| system.read_at(other, part, offset + read as u64))? {
                         0 => return Ok(false),
                         more => read += more,
                     }

@@ -452,3 +452,69 @@ fn a_stream_holds_one_file() {
     assert!(said.contains("standard output") && said.contains("name a file instead"), "{said}");
     assert!(bundle.commit().unwrap().is_empty());
 }
+
+#[test]
+fn a_side_file_that_a_file_of_another_export_refers_to_is_not_replaced_by_another() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let export = |name: &str, picture: &str| {
+        let stem = name.split('.').next().unwrap();
+        let mut bundle = staged(&path(name), &format!("of @./{stem}_bark.png@"));
+        side(&mut bundle, "_bark.png", picture);
+        bundle.commit()
+    };
+    export("oak.usda", "summer").unwrap();
+    // Its own picture changes with it, and the same picture is shared.
+    export("oak.usda", "autumn").unwrap();
+    export("oak.gltf", "autumn").unwrap();
+    let before = listing(dir.path());
+    let said = export("oak.gltf", "winter").unwrap_err().to_string();
+    assert!(said.contains(&format!("{}: ", path("oak_bark.png").display())), "{said}");
+    assert!(said.contains(&format!("{} refers to it", path("oak.usda").display())), "{said}");
+    assert_eq!(listing(dir.path()), before);
+    // Both in one export, and a file that does not refer to it.
+    let mut usda = staged(&path("oak.usda"), "@./oak_bark.png@");
+    let mut gltf = staged(&path("oak.gltf"), "\"uri\":\"oak_bark.png\"");
+    side(&mut usda, "_bark.png", "winter");
+    side(&mut gltf, "_bark.png", "winter");
+    commit_all(vec![usda, gltf]).unwrap();
+    fs::write(path("oak.gltf"), "\"uri\":\"old_oak_bark.png\"").unwrap();
+    export("oak.usda", "spring").unwrap();
+}
+
+#[test]
+fn a_file_of_levels_keeps_the_pictures_that_its_library_names() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("oak_LOD0.mtl"), "map_Kd oak_bark.png\n").unwrap();
+    fs::write(dir.path().join("oak_bark.png"), "summer").unwrap();
+    let mut bundle = staged(&dir.path().join("oak.usda"), "@./oak_bark.png@");
+    side(&mut bundle, "_bark.png", "autumn");
+    let said = bundle.commit().unwrap_err().to_string();
+    assert!(said.contains("oak_LOD0.mtl refers to it"), "{said}");
+    fs::write(dir.path().join("oak_LOD0.obj"), "mtllib oak_LOD0.mtl\n").unwrap();
+    let mut bundle = staged(&dir.path().join("oak.usda"), "@./oak_bark.png@");
+    side(&mut bundle, "_bark.png", "autumn");
+    let said = bundle.commit().unwrap_err().to_string();
+    assert!(said.contains("oak_LOD0.obj refers to it"), "{said}");
+}
+
+#[test]
+fn names_of_files_are_found_wherever_they_stand() {
+    let dir = tempfile::tempdir().unwrap();
+    let far = "x".repeat((1 << 16) - 9);
+    for (text, is_named) in [
+        ("a.png".to_owned(), true),
+        (format!("{far}/a.png"), true),
+        (format!("{far}/a.png@ {far}"), true),
+        (format!("{far}aa.png {far}"), false),
+        (format!("/a.png_{far}"), false),
+        (String::new(), false),
+    ] {
+        let path = dir.path().join("a.usda");
+        fs::write(&path, &text).unwrap();
+        assert_eq!(referring::refers(&System, &path, "a.png"), is_named, "{}", text.len());
+    }
+    let umlaut = dir.path().join("b.gltf");
+    fs::write(&umlaut, "\"uri\":\"%C3%96_bark.png\"").unwrap();
+    assert!(referring::refers(&System, &umlaut, "Ö_bark.png"));
+}

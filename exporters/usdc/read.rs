@@ -81,6 +81,11 @@ impl Names {
         self.tokens.iter().any(|token| token.starts_with(beginning))
     }
 
+    /// Whether something is the way to a file of this name.
+    pub fn has_file(&self, name: &str) -> bool {
+        self.tokens.iter().any(|token| token.rsplit('/').next() == Some(name))
+    }
+
     /// All strings in the order of their first use.
     pub fn strings(&self) -> impl Iterator<Item = &str> {
         self.strings.iter().filter_map(|&token| self.tokens.get(token as usize)).map(String::as_str)
