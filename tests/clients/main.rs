@@ -5,6 +5,7 @@
 
 mod ages;
 mod assembly;
+mod blend;
 mod bones;
 mod collision;
 mod compressed;
