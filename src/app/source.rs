@@ -79,6 +79,28 @@ pub fn of_recipe(document: &Path, json: &str, monitor: &dyn Monitor) -> anyhow::
     Ok(reader.finish(shown, recipe))
 }
 
+/// The recipe of a tree that a file carries or is, whether or not the files that it names are there; `None` of any other, and
+/// of standard input, which is read once.
+pub fn carried_recipe(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Option<String>> {
+    if is_standard_input(source) {
+        return Ok(None);
+    }
+    let mut content = open(source, monitor)?;
+    let json = match content.recipe(monitor)? {
+        Some(json) => json,
+        None => {
+            let bytes = content.bytes(monitor)?;
+            let is_recipe =
+                sniff(&bytes, &file_name(Some(source))).is_ok_and(|kind| kind == InputKind::Recipe);
+            if !is_recipe {
+                return Ok(None);
+            }
+            document(&bytes, &show(source), monitor)?.to_owned()
+        }
+    };
+    Ok((!is_forest(&json)).then_some(json))
+}
+
 /// As a message names SOURCE.
 pub fn shown(source: &Path) -> String {
     if is_standard_input(source) { "standard input".to_owned() } else { show(source) }
@@ -469,7 +491,7 @@ impl<'a> Reader<'a> {
 /// A file that a document names and that is not there.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
-struct MissingFile(String);
+pub struct MissingFile(String);
 
 /// A path's last part; empty for standard input.
 fn file_name(path: Option<&Path>) -> String {

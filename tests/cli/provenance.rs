@@ -292,6 +292,31 @@ fn a_citation_names_what_is_not_as_in_the_preset() {
 }
 
 #[test]
+fn a_citation_of_a_scanned_tree_names_its_knobs_without_the_scan() {
+    let folder = Folder::new();
+    folder.run(&["scan", "older-a", "-o", "plot.laz", "--spacing", "0.05", "--mkdir"]).done();
+    let knobs = ["--set", "thin=0.1", "--edit", "cut stem 0.4"];
+    let export = [&["export", "plot.laz", "--set", "leaf_form=none", "-o", "tree.obj"], &knobs[..]].concat();
+    assert_eq!(folder.run(&export).code, Some(0));
+    let cite = |file: &str| folder.run(&["cite", file, "--format", "json"]).done().json();
+    let with_scan = cite("tree.obj");
+    let turned = changes(&with_scan);
+    assert_eq!(turned["changed"]["thin"], "0.1", "{turned}");
+    assert_eq!(turned["edits"], serde_json::json!(["cut stem 0.4"]));
+    std::fs::remove_file(folder.file("plot.laz")).unwrap();
+    let said = folder.run(&["cite", "tree.obj", "--format", "json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("Cited is what tree.obj says"), "{}", said.err);
+    assert_eq!(said.json(), with_scan);
+    assert_eq!(with_scan["hash"], carried(&folder, "tree.obj")["hash"]);
+    // With a knob turned it is another tree, and of one that was changed by hand nothing is known.
+    assert_ne!(folder.run(&["cite", "tree.obj", "--seed", "9"]).code, Some(0));
+    let other = folder.run(&["recipe", "tree.obj"]).done().out.replace("\"seed\":1", "\"seed\":2");
+    folder.write("other.json", other);
+    assert_ne!(folder.run(&["cite", "other.json"]).code, Some(0));
+}
+
+#[test]
 fn entries_have_fields_that_styles_know() {
     let folder = Folder::new();
     let small = ["--set", "leaf_form=none", "--set", "age=0.2"];

@@ -5,7 +5,7 @@ mod changes;
 use clap::{Args, ValueEnum};
 use linden::knob::printable;
 use linden::preset::Preset;
-use linden::provenance::hash_text;
+use linden::provenance::{Provenance, hash_text};
 use linden::recipe::{Input, Recipe, VERSION};
 use linden::skeleton::publication::Publication;
 use serde::Serialize;
@@ -15,6 +15,7 @@ use super::GrowArgs;
 use super::forest::resolved;
 use crate::progress::Progress;
 use crate::source::forest::{ForestFile, turn};
+use crate::source::{self, MissingFile};
 
 /// Who wrote the program, as its license names them.
 const AUTHORS: &str = "The linden developers";
@@ -152,7 +153,10 @@ impl Cite {
                 recipe: serde_json::from_str(&forest.to_line())?,
             });
         }
-        let source = self.growing.resolve(progress)?;
+        let source = match self.growing.resolve(progress) {
+            Err(error) if error.is::<MissingFile>() => return self.of_carried(program, error, progress),
+            resolved => resolved?,
+        };
         let tree = super::grown(&source, progress)?.hash();
         let recipe = &source.recipe;
         Ok(Citation {
@@ -168,6 +172,51 @@ impl Cite {
             command: self.command("stats"),
             recipe: serde_json::from_str(&recipe.to_line_of(tree))?,
             source: source.shown,
+        })
+    }
+
+    /// What a file says of its tree, where one that the tree is grown from is not there.
+    fn of_carried(
+        &self,
+        program: Program,
+        missing: anyhow::Error,
+        progress: &Progress,
+    ) -> anyhow::Result<Citation> {
+        let GrowArgs { source, settings, defines, edits, age, seed } = &self.growing;
+        let lists = [settings, defines, edits];
+        let is_as_written = lists.iter().all(|list| list.is_empty()) && age.is_none() && seed.is_none();
+        let carried = if is_as_written { source::carried_recipe(source, progress)? } else { None };
+        let Some(json) = carried else { return Err(missing) };
+        let shown = crate::paths::show(source);
+        let preset = Preset::from_json(&json).map_err(|fault| source::locate(&shown, &fault))?;
+        let recipe = Recipe::new(preset);
+        let provenance = Provenance::of(&json, &recipe);
+        let document: serde_json::Value = serde_json::from_str(&json)?;
+        // Hashes of a recipe that was changed since are of another.
+        let (Some(tree), Some(hash)) = (provenance.tree, document["hash"]["recipe"].as_str()) else {
+            return Err(missing);
+        };
+        let note = format!("{missing}. Cited is what {shown} says; nothing was grown to compare it with");
+        let version = provenance.version_note().map(|note| format!("{shown}: {note}"));
+        super::notes(&[note].into_iter().chain(version).collect::<Vec<_>>(), progress);
+        let inputs = document["inputs"].as_array().into_iter().flatten().filter_map(|input| {
+            let text = |key: &str| input[key].as_str().map(printable);
+            Some(CitedInput { file: text("file")?, xxh3: text("xxh3")? })
+        });
+        let cited = CitedTree { inputs: inputs.collect(), ..CitedTree::of(&recipe, Some(&self.growing))? };
+        Ok(Citation {
+            program,
+            seed: recipe.preset.seed(),
+            hash: Hashes {
+                recipe: hash.to_owned(),
+                skeleton: Some(hash_text(tree.skeleton)),
+                organs: Some(hash_text(tree.organs)),
+            },
+            trees: vec![cited],
+            publications: publications(&[&recipe]),
+            command: self.command("stats"),
+            recipe: document,
+            source: shown,
         })
     }
 

@@ -21,12 +21,18 @@ pub struct Changes {
 
 impl Changes {
     /// Compares a preset, as it grows, with the one of the program that has its id: also what comes from a file is called
-    /// after that. Where there is none, nothing is known of what the document was, but that flags turned it.
+    /// after that. What was grown from points or cylinders is compared with what these give with no knob turned. Of all else
+    /// nothing is known of what the document was, but that flags turned it.
     pub(super) fn of(preset: &Preset, flags: Option<&GrowArgs>) -> anyhow::Result<Self> {
         let built_in = builtin(&preset.id).ok().and_then(|found| found.load().ok());
         let is_alike = |base: &Preset| base.grows_by().id() == preset.grows_by().id();
-        match (built_in.filter(is_alike), flags) {
-            (Some(base), _) => Ok(Self::from_base(preset, &base)),
+        if let Some(base) = built_in.filter(is_alike) {
+            return Ok(Self::from_base(preset, &base));
+        }
+        let of_input =
+            of_input(preset).into_iter().filter(is_alike).map(|base| Self::from_base(preset, &base));
+        match (of_input.min_by_key(|changes| changes.changed.len()), flags) {
+            (Some(changes), _) => Ok(changes),
             (None, Some(flags)) => Self::by_flags(preset, flags),
             (None, None) => Ok(Self::default()),
         }
@@ -78,6 +84,18 @@ impl Changes {
         let changed = self.changed.iter().map(|(name, value)| ("changed", format!("{name}={value}")));
         age.chain(changed).chain(self.edits.iter().map(|edit| ("edited", edit.clone()))).collect()
     }
+}
+
+/// What a file of points or cylinders becomes by itself. Cylinders may or may not have had a radius for each end.
+fn of_input(preset: &Preset) -> Vec<Preset> {
+    let Preset { id, .. } = preset;
+    let files = preset.files();
+    let Some(file) = files.first() else { return Vec::new() };
+    vec![
+        Preset::of_points(id, file),
+        Preset::of_cylinders(id, file, true),
+        Preset::of_cylinders(id, file, false),
+    ]
 }
 
 /// An age with what it turns: `young (age=0.3, bark=smooth)`.
