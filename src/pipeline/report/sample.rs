@@ -87,6 +87,22 @@ impl Sample {
         let root = (product as f64 / (a.len() + b.len()) as f64).sqrt();
         Parting { distance, p: kolmogorov((root + 0.12 + 0.11 / root) * distance) }
     }
+
+    /// The smallest p that samples of these sizes reach, however far they are apart: where all values of one lie below all of the
+    /// other, as in 2 of n + m over n divisions.
+    ///
+    /// ```
+    /// # use linden_pipeline::report::Sample;
+    /// let low = Sample::of([1.0, 2.0, 3.0]).ok_or("empty")?;
+    /// let high = Sample::of([11.0, 12.0]).ok_or("empty")?;
+    /// assert!((low.least_p(&high) - 0.2).abs() < 1e-12);
+    /// # Ok::<(), &str>(())
+    /// ```
+    pub fn least_p(&self, other: &Self) -> f64 {
+        let (few, many) = (self.len().min(other.len()), self.len().max(other.len()));
+        let share = |k: usize| k as f64 / (many + k) as f64;
+        (1..=few).fold(2.0, |p, k| p * share(k))
+    }
 }
 
 /// How far two empirical distributions are apart behind `i` of `n` values and `j` of `m`, times n·m: a whole number, so that
@@ -204,6 +220,8 @@ mod tests {
         let (two_thirds, p_of_two) =
             (sample(&twelve).parting(&sample(&[8.5, 9.5])).distance, p(&twelve, &[8.5, 9.5]));
         assert!((two_thirds - 2.0 / 3.0).abs() < 1e-12 && (p_of_two - 30.0 / 91.0).abs() < 1e-12);
+        assert!((sample(&twelve).least_p(&sample(&[0.5])) - 2.0 / 13.0).abs() < 1e-12);
+        assert!((sample(&[1.0, 2.0]).least_p(&sample(&[3.0, 4.0])) - 1.0 / 3.0).abs() < 1e-12);
         for trial in 0..60 {
             let key = Key::new(trial);
             // Whole numbers, of which many are equal, in every second trial.

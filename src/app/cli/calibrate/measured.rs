@@ -7,7 +7,7 @@ use csv::{Reader, ReaderBuilder, Trim};
 use linden::Monitor;
 use linden::knob::{excerpt, printable};
 use linden::memory::bytes_of;
-use linden::report::{NUMBERS, Number, Sample};
+use linden::report::{Group, NUMBERS, Number, Sample};
 
 use super::no_columns;
 use crate::exit::usage;
@@ -275,7 +275,8 @@ fn separator(text: &str) -> u8 {
 /// The number that a heading means, and what its values are multiplied by.
 fn meant(title: &str) -> Option<(&'static Number, f64)> {
     let title = title.to_ascii_lowercase();
-    let named = |name: &str| NUMBERS.iter().find(|number| number.name == name);
+    // Which tree it is is no number: a column `tree` of a table is an id.
+    let named = |name: &str| NUMBERS.iter().find(|number| number.name == name && number.group != Group::Tree);
     if let Some(number) = named(&title) {
         return Some((number, 1.0));
     }

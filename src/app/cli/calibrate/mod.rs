@@ -22,6 +22,9 @@ use crate::progress::Progress;
 /// Two samples part where so large a distance is less probable than this, over all numbers that are compared.
 const LEAST_P: f64 = 0.05;
 
+/// What is said of a number of which no p is small enough.
+const TOO_FEW: &str = "too few trees to tell";
+
 /// Grown where no number is asked for: as many as were measured, within these.
 const USUAL_TREES: std::ops::RangeInclusive<u64> = 20..=200;
 
@@ -75,8 +78,17 @@ struct Row {
     /// See [`Parting`].
     distance: Option<f64>,
     p: Option<f64>,
-    /// Whether p is below 0.05 ÷ the numbers that are compared (Bonferroni).
+    /// The smallest p that so many trees reach.
+    least_p: Option<f64>,
+    /// Whether p is below 0.05 ÷ the numbers that are compared (Bonferroni); null where it cannot be.
     parts: Option<bool>,
+}
+
+impl Row {
+    /// Whether these are too few trees to part, however far apart they are.
+    fn is_too_few(&self) -> bool {
+        self.p.is_some() && self.parts.is_none()
+    }
 }
 
 #[derive(Serialize)]
@@ -173,6 +185,8 @@ fn row((number, measured): (&'static Number, &Sample), table: &Measured, reports
     let values = reports.iter().filter_map(|report| (number.reading)(report).number());
     let grown = Sample::of(values);
     let parting = grown.as_ref().map(|grown| grown.parting(measured));
+    let least_p = grown.as_ref().map(|grown| grown.least_p(measured));
+    let level = LEAST_P / table.columns.len() as f64;
     let mean = measured.mean();
     let differs_by = grown.as_ref().filter(|_| mean != 0.0).map(|grown| grown.mean() / mean - 1.0);
     Row {
@@ -184,7 +198,8 @@ fn row((number, measured): (&'static Number, &Sample), table: &Measured, reports
         differs_by,
         distance: parting.map(|Parting { distance, .. }| distance),
         p: parting.map(|Parting { p, .. }| p),
-        parts: parting.map(|Parting { p, .. }| p < LEAST_P / table.columns.len() as f64),
+        least_p,
+        parts: parting.filter(|_| least_p.is_some_and(|p| p < level)).map(|Parting { p, .. }| p < level),
     }
 }
 
@@ -202,7 +217,12 @@ impl Calibration {
                 row.differs_by.map_or_else(String::new, |share| format!("{:+.0} %", 100.0 * share)),
                 two(row.distance),
                 two(row.p),
-                if row.parts == Some(true) { "parts".to_owned() } else { String::new() },
+                match row.parts {
+                    Some(true) => "parts",
+                    None if row.is_too_few() => TOO_FEW,
+                    _ => "",
+                }
+                .to_owned(),
             ]);
         }
         let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
@@ -220,8 +240,17 @@ impl Calibration {
         }
         let parted: Vec<&Row> = self.numbers.iter().filter(|row| row.parts == Some(true)).collect();
         text.push('\n');
-        if parted.is_empty() {
+        let too_few: Vec<&str> =
+            self.numbers.iter().filter(|row| row.is_too_few()).map(|row| row.name).collect();
+        let is_told = self.numbers.iter().any(|row| row.parts.is_some());
+        if parted.is_empty() && (is_told || too_few.is_empty()) {
             text += "Nothing parts: as far as so many trees tell, they are of one kind.\n";
+        }
+        if !is_told && !too_few.is_empty() {
+            text += "Nothing can part: p of so few trees is never small enough, however far apart they are. Measure more, or \
+                     grow more with --seeds.\n";
+        } else if !too_few.is_empty() {
+            text += &format!("{TOO_FEW}: {}\n", too_few.join(", "));
         }
         for row in parted {
             let Some(grown) = &row.grown else { continue };
