@@ -78,8 +78,8 @@ pub(crate) fn of_stage<'a>(stage: &'a Stage<'_>) -> (&'a str, &'a str) {
     }
 }
 
-/// Where the foot of the one tree on a stage is in the file of the scan that it grew into: three numbers; `None` where
-/// there are several trees or it grew into none.
+/// Where the foot of the one tree on a stage is in the file that it was grown from: three numbers; `None` where
+/// there are several trees or it has no place in a file.
 pub(crate) fn foot_in_file(stage: &Stage<'_>) -> Option<[f64; 3]> {
     let (_, scene) = stage.finest().next().filter(|_| stage.is_single())?;
     scene.foot_in_file.map(|foot| foot.to_array())
@@ -88,7 +88,7 @@ pub(crate) fn foot_in_file(stage: &Stage<'_>) -> Option<[f64; 3]> {
 /// [`foot_in_file`] as the end of comments, with what begins each of them; nothing where there is none.
 pub(crate) fn foot_comment(stage: &Stage<'_>, mark: &str) -> String {
     foot_in_file(stage).map_or_else(String::new, |[x, y, z]| {
-        format!("{mark} foot in the scan's file, its axes and units: {x} {y} {z}\n")
+        format!("{mark} foot in the file that it was grown from, its axes and units: {x} {y} {z}\n")
     })
 }
 

@@ -35,7 +35,7 @@ pub(super) struct Head<'a> {
     pub bounds: Option<Bounds>,
     /// Whether it says what it is for those who learn from pictures.
     pub is_labelled: bool,
-    /// Where its foot is in the file of the scan that it grew into.
+    /// Where its foot is in the file that it was grown from.
     pub foot_in_file: Option<[f64; 3]>,
 }
 

@@ -50,14 +50,7 @@ impl Stand {
             most_nodes: settings.max_nodes.into(),
             barred: Some(barred),
             age: (settings.age < 1.0).then_some(settings.age),
-            colonized: Some(Colonized {
-                points,
-                unreached,
-                iterations,
-                is_canopy: false,
-                foot: None,
-                scan: None,
-            }),
+            colonized: Some(Colonized { points, unreached, iterations, is_canopy: false, scan: None }),
             notes,
             ..Branched::default()
         }

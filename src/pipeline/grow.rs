@@ -40,6 +40,9 @@ pub struct Grown {
     pub symbols: Option<u64>,
     /// The attraction points, and how many were reached; `None` for L-systems.
     pub colonized: Option<Colonized>,
+    /// The place of its foot in the file that it was grown from, points or cylinders, in the file's axes and units; `None` of what
+    /// has no place in a file.
+    pub foot: Option<glam::DVec3>,
     /// Messages for the user: limits that were hit, meshes that are open.
     pub notes: Vec<String>,
 }
@@ -75,9 +78,9 @@ impl Grown {
         let most_nodes = skeleton.positions.len() as u64;
         let (as_skeleton, as_given) = (Arc::clone(&skeleton), Arc::clone(&given));
         let as_grown = AsGrown { skeleton: as_skeleton, given: as_given, age: None, most_nodes };
-        let (origins, symbols, colonized) = (None, None, None);
+        let (origins, symbols, colonized, foot) = (None, None, None, None);
         let (remarks, notes) = (Vec::new(), Vec::new());
-        Self { skeleton, as_grown, origins, remarks, wood, organs, given, symbols, colonized, notes }
+        Self { skeleton, as_grown, origins, remarks, wood, organs, given, symbols, colonized, foot, notes }
     }
 
     /// Bytes that it takes.
@@ -152,8 +155,8 @@ impl Grown {
 
     /// The tree as it is dressed.
     pub fn body(&self) -> Body<'_> {
-        let foot_in_file = self.colonized.as_ref().and_then(|colonized| colonized.foot);
-        Body { skeleton: &self.skeleton, organs: &self.organs, given: &self.given, foot_in_file }
+        let Self { skeleton, organs, given, foot, .. } = self;
+        Body { skeleton, organs, given, foot_in_file: *foot }
     }
 }
 
@@ -315,6 +318,7 @@ pub fn grow_as(
         wood,
         symbols: branched.symbols,
         colonized: colonized.map(|colonized| Colonized { scan, ..colonized }),
+        foot: branched.foot,
         notes,
     })
 }
@@ -356,6 +360,7 @@ pub fn reedit(grown: &Grown, recipe: &Recipe, monitor: &dyn Monitor) -> Result<G
         wood: grown.wood,
         symbols: grown.symbols,
         colonized: grown.colonized.clone(),
+        foot: grown.foot,
         notes,
     })
 }

@@ -28,8 +28,8 @@ pub struct Scene {
     pub skeleton: Arc<Skeleton>,
     /// What grows on the wood, one by one: the parts show it.
     pub organs: DressedOrgans,
-    /// Where its foot is in the file of the scan that it grew into, in that file's axes and units: far from the origin where
-    /// they are those of a country. `None` where it grew into none.
+    /// Where its foot is in the file that it was grown from, a scan or a table of cylinders, in that file's axes and units: far
+    /// from the origin where they are those of a country. `None` of what has no place in a file.
     pub foot_in_file: Option<DVec3>,
 }
 

@@ -94,7 +94,7 @@ pub struct Body<'a> {
     pub organs: &'a Arc<Organs>,
     /// The organs that its generator placed: without the leaves of the dressing.
     pub given: &'a Arc<Organs>,
-    /// Where its foot is in the file that it grew into, as [`crate::scene::Scene::foot_in_file`].
+    /// Where its foot is in the file that it was grown from, as [`crate::scene::Scene::foot_in_file`].
     pub foot_in_file: Option<DVec3>,
 }
 

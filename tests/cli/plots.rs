@@ -219,6 +219,29 @@ fn trees_of_a_table_of_cylinders_are_told_apart_too() {
     }
 }
 
+#[test]
+fn trees_of_a_table_of_cylinders_keep_their_places_in_the_table_of_trees() {
+    let folder = Folder::new();
+    let forest = ["forest", "simple", "--set", "points=30", "--area", "20", "--spacing", "6", "--trees", "3"];
+    let dialect = ["--format", "qsm", "--set", "qsm.dialect=raycloudtools", "--set", "qsm.comments=false"];
+    succeed(&folder, &[&forest[..], &dialect, &["-o", "plot.txt"]].concat());
+    succeed(&folder, &["export", "plot.txt", "-o", "trees/", "--format", "ply-skeleton", "--mkdir"]);
+    let rows = table(&folder.read("trees/trees.csv"));
+    let text = String::from_utf8(folder.read("plot.txt")).unwrap();
+    let lines: Vec<&str> =
+        text.lines().filter(|line| line.starts_with(|c: char| c == '-' || c.is_ascii_digit())).collect();
+    assert_eq!((rows.len(), lines.len()), (3, 3), "{text}");
+    for (number, line) in (1..).zip(lines) {
+        let start: Vec<f64> = line.split([',', ' ']).take(3).map(|number| number.parse().unwrap()).collect();
+        for (axis, expected) in ["foot_x", "foot_y", "foot_z"].into_iter().zip(start) {
+            let found: f64 = rows[&number][axis].parse().unwrap();
+            assert!((found - expected).abs() < 1e-3, "{number}: {axis} is {found}, not {expected}");
+        }
+    }
+    let ply = String::from_utf8_lossy(&folder.read("trees/2-skeleton.ply")).into_owned();
+    assert!(ply.contains("foot in the file that it was grown from"), "{}", &ply[..400]);
+}
+
 /// A small wood, its trees near enough to touch.
 const WOOD: &str = r#"
 name = "Three"

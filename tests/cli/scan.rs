@@ -158,7 +158,7 @@ fn files_say_where_a_scanned_tree_stands_in_its_country() {
         let numbers = rest.split(['\n', ']', ')', '<']).next().unwrap().split(between);
         numbers.map(|number| number.trim().parse().unwrap()).collect()
     };
-    let comment = "foot in the scan's file, its axes and units: ";
+    let comment = "foot in the file that it was grown from, its axes and units: ";
     for (file, before, between) in [
         ("a.glb", "\"linden_foot_in_file\":[", ","),
         ("a.gltf", "\"linden_foot_in_file\":[", ","),

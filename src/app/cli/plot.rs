@@ -119,7 +119,7 @@ impl Plot<'_> {
         let (mut batch, _) = self.batch(number)?;
         let recipe = self.recipe(number)?.wanting(batch.wanted());
         let grown = grow(&recipe, share)?;
-        let foot = grown.colonized.as_ref().and_then(|colonized| colonized.foot);
+        let foot = grown.foot;
         let mut notes = grown.notes.clone();
         let report = Report::of(&recipe, &grown, share)?;
         let shapes = levels(&recipe, &grown, share)?;

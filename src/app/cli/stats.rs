@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
-use linden::grow::{Colonized, Scanned, Spread};
+use linden::grow::{Grown, Scanned, Spread};
 use linden::report::{Group, NUMBERS, Report};
 use linden::surface::Junction;
 use serde::Serialize;
@@ -78,9 +78,10 @@ struct Distances {
 }
 
 impl Scan {
-    fn of(colonized: &Colonized) -> Option<Self> {
-        let foot = colonized.foot.map(|foot| foot.to_array());
-        colonized.scan.as_ref().map(|scanned| Self { foot, ..Self::of_scanned(scanned) })
+    fn of(grown: &Grown) -> Option<Self> {
+        let foot = grown.foot.map(|foot| foot.to_array());
+        let scanned = grown.colonized.as_ref()?.scan.as_ref()?;
+        Some(Self { foot, ..Self::of_scanned(scanned) })
     }
 
     fn of_scanned(scanned: &Scanned) -> Self {
@@ -146,7 +147,7 @@ impl StatsReport {
             seed: source.recipe.preset.seed(),
             generator: source.recipe.preset.grows_by().id(),
             report,
-            scan: grown.colonized.as_ref().and_then(Scan::of),
+            scan: Scan::of(&grown),
             is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
             seconds: Seconds { grow: grow_s, dress: started.elapsed().as_secs_f64() },
         })

@@ -233,10 +233,10 @@ impl Settings for QsmSettings {
             builder.add(tree);
         }
         let mut notes: Vec<String> = scale_note(table.scale).into_iter().collect();
+        // As the table has it, without the digits that scaling leaves.
+        let foot_in_file = if table.scale == 1.0 { foot } else { (foot / table.scale * 1e6).round() / 1e6 };
         if shift != DVec3::ZERO {
-            // As the table has it, without the digits that scaling leaves.
-            let foot = if table.scale == 1.0 { shift } else { (shift / table.scale * 1e6).round() / 1e6 };
-            let [x, y, z] = foot.to_array();
+            let [x, y, z] = foot_in_file.to_array();
             notes.push(format!(
                 "the foot at {x}, {y}, {z} of the table was moved to 0,0,0; table_place=true leaves it where it is"
             ));
@@ -246,6 +246,7 @@ impl Settings for QsmSettings {
         Ok(Branched {
             branching: builder.finish(),
             trees,
+            foot: (chosen.len() == 1).then_some(foot_in_file),
             most_nodes: u64::from(u32::MAX),
             notes,
             ..Branched::default()

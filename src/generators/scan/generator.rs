@@ -247,8 +247,8 @@ impl Settings for ScanSettings {
         let mut branched = stand.branched(&self.growth);
         if let Some(colonized) = &mut branched.colonized {
             colonized.is_canopy = is_canopy;
-            colonized.foot = Some(foot);
         }
+        branched.foot = Some(foot);
         let measures = self.measures(&task.wood);
         branched.measured = bark.map(|bark| {
             Box::new(Bark { points: bark, leaf_points, measures, placed: OnceLock::new() })

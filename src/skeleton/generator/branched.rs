@@ -30,6 +30,9 @@ pub struct Branched {
     pub symbols: Option<u64>,
     /// The attraction points, and how many were reached.
     pub colonized: Option<Colonized>,
+    /// The place of its foot in the file that it was grown from, points or cylinders, in the file's axes and units; `None` of what
+    /// has no place in a file.
+    pub foot: Option<DVec3>,
     /// Of each foot, in the order of the nodes, the tree that it is of, where several grew: [`Skeleton::trees`].
     pub trees: Vec<u32>,
     /// Messages for the user: limits that were hit, meshes that are open.
@@ -89,8 +92,6 @@ pub struct Colonized {
     pub iterations: u32,
     /// Whether the points of a scan showed a crown without a stem, and were grown into as they are.
     pub is_canopy: bool,
-    /// The place of its foot in the file that it grew into, in the file's axes and units; `None` where it grew into none.
-    pub foot: Option<DVec3>,
     /// How the tree compares with the scan that it grew into; `None` for what is no scan.
     pub scan: Option<Scanned>,
 }
