@@ -370,6 +370,46 @@ fn a_sheet_is_made_of_the_previews_of_its_trees() {
 }
 
 #[test]
+fn trees_of_a_sheet_are_in_one_scale_where_that_is_asked_for() {
+    let folder = Folder::new();
+    for (id, times) in [("low", 1.0), ("high", 4.0)] {
+        let [height, radius, step, trunk] = [2.0, 1.0, 0.1, 0.5].map(|metres| metres * times);
+        let text = format!(
+            "id = \"{id}\"\n[colonization]\ncrown = \"cone\"\ncrown_height = {height:?}\ncrown_radius = {radius:?}\n\
+             points = 60\nstep = {step:?}\ntrunk = {trunk:?}\n"
+        );
+        folder.write(&format!("{id}.toml"), text);
+    }
+    let sheet = ["sheet", "low.toml", "high.toml", "--columns", "2", "--size", "60x70", "--labels", "none"];
+    // Rows in which a tree, and not its ground alone, is seen.
+    let rows = |more: &[&str]| {
+        folder.run(&[&sheet[..], more, &["-o", "s.png"]].concat()).done();
+        let ((wide, high), whole) = pixels(&folder.read("s.png"));
+        let channels = whole.len() / (wide * high) as usize;
+        let is_inked = |x: usize, y: usize| whole[(y * wide as usize + x) * channels] < 110;
+        [0..60, 60..120].map(|columns| (0..70).filter(|&y| columns.clone().any(|x| is_inked(x, y))).count())
+    };
+    let ([low, high], [low_of_one, high_of_one]) = (rows(&[]), rows(&["--one-scale"]));
+    assert!(low.abs_diff(high) < 6, "each fills its picture: {low}, {high}");
+    assert!(high_of_one.abs_diff(high) < 6 && 3 * low_of_one < high_of_one, "{low_of_one}, {high_of_one}");
+}
+
+#[test]
+fn wood_whose_bark_is_described_is_shown_with_it() {
+    let folder = Folder::new();
+    let draw = |source: &str, more: &[&str]| {
+        let words = ["preview", source, "--size", "60x80", "-o", "p.png"];
+        assert_eq!(folder.run(&[&words[..], more].concat()).code, Some(0));
+        folder.read("p.png")
+    };
+    let bare = ["--set", "leaf_form=none", "--set", "bark_size=32", "--set", "age=0.2"];
+    let surface = [&bare[..], &["--look", "surface"]].concat();
+    assert!(draw("silver-birch", &bare) == draw("silver-birch", &surface));
+    folder.write("weed.l", "axiom=F\nangle=25.7\nnumber of derivations=3\nF=F[+F]F[-F]F\n");
+    assert!(draw("weed.l", &[]) == draw("weed.l", &["--look", "skeleton"]));
+}
+
+#[test]
 fn flat_drawings_are_pictures_and_svg() {
     let folder = Folder::new();
     // A plane weed of ABOP: every segment is drawn, and its thickness does not vary much.

@@ -80,7 +80,7 @@ pub struct Preview {
     zoom: f32,
 
     /// The skeleton's strokes; the surface as it would be exported, which is usual for a plant whose leaves
-    /// have pictures; or a flat drawing as in a book, which is usual for .svg
+    /// have pictures or whose bark is described; or a flat drawing as in a book, which is usual for .svg
     #[arg(long, alias = "style", value_enum)]
     look: Option<PreviewLook>,
 

@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use linden::grow::grow;
 use linden::monitor::{Holding, Monitor as _};
 use linden::preset::builtins;
+use linden_raster::{Extent, Style};
 
 use super::ages::aged;
 use super::outputs::list;
@@ -16,7 +18,7 @@ use crate::forecast::{Outlook, announce};
 use crate::portrait::sheet::{SheetDrawing, SheetPlan, in_levels};
 use crate::portrait::{PreviewLook, Sitter};
 use crate::progress::Progress;
-use crate::source;
+use crate::source::{self, Source};
 
 /// Draw several trees side by side on one picture
 #[derive(Args)]
@@ -71,6 +73,11 @@ pub struct Sheet {
     /// The skeleton's strokes, the surface, or flat drawings; when not given, as 'linden preview' has it
     #[arg(long, value_enum)]
     look: Option<PreviewLook>,
+
+    /// All trees in one scale, as high beside each other as they are; without, each fills its picture. Each grows twice, first
+    /// to be measured
+    #[arg(long)]
+    one_scale: bool,
 
     /// What stands below each tree: its name and what tells it from the others, or nothing
     #[arg(long, value_enum, default_value_t)]
@@ -129,6 +136,9 @@ impl Sheet {
         };
         let (width, height) = self.size;
         let mut sheet = SheetDrawing::new(plan, trees.len(), levels)?;
+        if self.one_scale {
+            sheet = sheet.in_one_scale(&self.extents(&trees, &progress)?);
+        }
         let (levels, count) = (sheet.levels(), sheet.count());
         target.admit(sheet.size(), 0, &progress)?;
         let holding = Holding::new(&progress, sheet.bytes());
@@ -158,6 +168,24 @@ impl Sheet {
             }
         }
         list(&target.write(&sheet.finish(), None, &progress)?)
+    }
+
+    /// How far each tree reaches.
+    fn extents(&self, trees: &[Source], progress: &Progress) -> anyhow::Result<Vec<Extent>> {
+        let mut extents = Vec::new();
+        let of_all = trees.len() * self.seeds as usize;
+        for source in trees {
+            let mut recipe = source.recipe.clone();
+            let first = recipe.preset.seed();
+            for step in 0..self.seeds {
+                progress.among("measuring tree", extents.len() + 1, of_all);
+                recipe.preset.set_seed(first.wrapping_add(step));
+                let grown = grow(&recipe, progress).with_context(|| source.shown.clone())?;
+                let style = Style { organs: Some(&grown.organs), ..Style::studio() };
+                extents.extend(style.extent(&grown.skeleton));
+            }
+        }
+        Ok(extents)
     }
 
     /// What is asked for: groups first, then the sources.

@@ -7,7 +7,6 @@
 
 use std::sync::Arc;
 
-use glam::Vec2;
 use linden::dress::{DressError, dress};
 use linden::foliage::FoliageError;
 use linden::grow::{GrowError, Grown, grow, sprout};
@@ -19,7 +18,6 @@ use linden::recipe::Recipe;
 use linden::skeleton::Measures;
 use linden::skeleton::generator::SampleSize;
 use linden::{Cancelled, Monitor};
-use linden_raster::extent::RINGS;
 use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_surface};
 use linden_terminal::Encoded;
 use linden_terminal::cells::CellPicture;
@@ -28,6 +26,7 @@ use ratatui::layout::Rect;
 use super::draw::{DRAFT_BYTES, FULL_BYTES, exact_pixels};
 use super::grow::Plant;
 use super::{Framed, Medium, PictureLook, ShownTree};
+use crate::viewpoint::around;
 
 /// Larger trees are not grown for a small picture. A tree that is on screen already is drawn whatever
 /// its size.
@@ -396,39 +395,6 @@ fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, N
 /// What is wrong, without what to do about it: a small picture has room for no more.
 fn first_clause(text: &str) -> String {
     text.split("; ").next().unwrap_or(text).to_owned()
-}
-
-/// What holds all of some extents: pictures that frame it show their trees in one scale, on one ground.
-fn around(all: &[Extent]) -> Extent {
-    if let [one] = all {
-        return *one;
-    }
-    let least = |of: &dyn Fn(&Extent) -> f32| all.iter().map(of).fold(f32::INFINITY, f32::min);
-    let most = |of: &dyn Fn(&Extent) -> f32| all.iter().map(of).fold(f32::NEG_INFINITY, f32::max);
-    let mut whole = Extent {
-        x: f32::midpoint(least(&|e| e.x - e.radius()), most(&|e| e.x + e.radius())),
-        z: f32::midpoint(least(&|e| e.z - e.radius()), most(&|e| e.z + e.radius())),
-        bottom: least(&|e| e.bottom),
-        top: most(&|e| e.top),
-        radii: [0.0; RINGS],
-        person: None,
-    };
-    let rim = |e: &Extent, ring: usize| e.bottom + e.height() * ring as f32 / RINGS as f32;
-    for extent in all {
-        let off = Vec2::new(extent.x - whole.x, extent.z - whole.z).length();
-        for ring in 0..RINGS {
-            let (low, high) = (rim(&whole, ring), rim(&whole, ring + 1));
-            // What is flat lies in the rings that it touches.
-            let reaches = |i: &usize| {
-                let (from, to) = (rim(extent, *i), rim(extent, *i + 1));
-                if from < to { from < high && to > low } else { from <= high && to >= low }
-            };
-            if let Some(widest) = (0..RINGS).filter(reaches).map(|i| extent.radii[i]).reduce(f32::max) {
-                whole.radii[ring] = whole.radii[ring].max(widest + off);
-            }
-        }
-    }
-    whole
 }
 
 #[cfg(test)]

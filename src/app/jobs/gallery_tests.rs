@@ -2,9 +2,11 @@ use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
+use glam::Vec2;
 use linden::Quiet;
 use linden::Skeleton;
 use linden::monitor::Phase;
+use linden_raster::extent::RINGS;
 use linden_raster::{Paint, draw_skeleton};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
 

@@ -7,12 +7,12 @@ use linden::knob::printable;
 use linden::picture::Picture;
 use linden::recipe::Recipe;
 use linden_raster::drawing::label::Label;
-use linden_raster::{Background, Camera, Size, Style};
+use linden_raster::{Background, Camera, Extent, Size, Style};
 
 use super::PITCH_DEG;
 use super::sitter::{PreviewLook, Say, Sitter};
 use crate::exit::usage;
-use crate::viewpoint::broad_side;
+use crate::viewpoint::{around, broad_side};
 
 /// What a sheet is to show.
 #[derive(Clone, Copy)]
@@ -44,6 +44,8 @@ pub struct SheetDrawing {
     cell: Size,
     whole: Size,
     style: Style<'static>,
+    /// What all pictures frame; `None`: each its tree.
+    frame: Option<Extent>,
     mosaic: Mosaic,
     place: u32,
 }
@@ -84,9 +86,16 @@ impl SheetDrawing {
             cell,
             whole,
             style,
+            frame: None,
             mosaic,
             place: 0,
         })
+    }
+
+    /// All trees in one scale: each picture frames what holds all of these.
+    #[must_use]
+    pub fn in_one_scale(self, extents: &[Extent]) -> Self {
+        Self { frame: (!extents.is_empty()).then(|| around(extents)), ..self }
     }
 
     /// Levels of detail of each tree that have a place.
@@ -136,7 +145,7 @@ impl SheetDrawing {
         let (width, height) = self.plan.size;
         let high = height.saturating_add(self.below);
         let obstructions = linden::grow::obstructions(recipe, monitor)?;
-        let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
+        let camera = Camera { extent: self.frame, ..Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG) };
         for ((level, at), sitter) in (self.place..).enumerate().zip(&sitters) {
             let style = Style { obstructions: &obstructions, ..sitter.styled(self.style) };
             let mut picture = sitter.draw(&camera, &style, self.cell, monitor)?;

@@ -39,8 +39,8 @@ pub struct Sitter<'a> {
 }
 
 impl<'a> Sitter<'a> {
-    /// Dresses the tree where that is wanted, or usual: where leaves have pictures, a level of detail is
-    /// asked for, or a budget of triangles.
+    /// Dresses the tree where that is wanted, or usual: where leaves have pictures, the bark is described, a level of
+    /// detail is asked for, or a budget of triangles.
     ///
     /// # Errors
     /// Those of dressing; no such level.
@@ -99,7 +99,8 @@ impl<'a> Sitter<'a> {
         level: Option<usize>,
     ) -> bool {
         let budget = recipe.preset.dressing.detail.finest() > 0;
-        let usual = !grown.organs.shapes.is_empty() || budget || level.is_some();
+        let has_looks = !grown.organs.shapes.is_empty() || recipe.preset.dressing.bark.is_described();
+        let usual = has_looks || budget || level.is_some();
         look.map_or(usual, |look| look == PreviewLook::Surface)
     }
 

@@ -100,6 +100,11 @@ impl Default for BarkSettings {
 }
 
 impl BarkSettings {
+    /// Whether anything says what bark it is: its kind, a colour, or a picture.
+    pub fn is_described(&self) -> bool {
+        self.style != BarkStyle::default() || self.color.is_some() || self.picture.is_some()
+    }
+
     /// The keys that name files.
     pub const FILES: [FileKey<Self>; 2] = [
         file_key!(
