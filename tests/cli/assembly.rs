@@ -83,7 +83,7 @@ fn assemblies_name_the_files_of_all_trees() {
     );
     // The grammar has no USD and no thumbnail, the last kind no glTF.
     for expected in [
-        "--usd leaves out 1 tree not written as usda or usdz: 6",
+        "--usd leaves out 1 tree not written as usda or usdc or usdz: 6",
         "--tiles leaves out 2 trees not written as glb or gltf: 7-8",
         "--sheet leaves out 1 tree without thumbnail: 6",
     ] {
@@ -247,4 +247,17 @@ fn mistakes_are_told_and_nothing_is_written() {
     for out in ["my out", "none", "self"] {
         assert!(!folder.file(out).join("index.jsonl").exists(), "{out}");
     }
+}
+
+#[test]
+fn an_assembly_names_trees_of_binary_usd() {
+    let folder = Folder::new();
+    folder.write("m.toml", "formats = [\"usdc\"]\n[[trees]]\nsource = \"fir\"\nseeds = \"1..2\"\nset = { points = 40, bark_size = 16 }\n");
+    grow(&folder, &["m.toml", "--out", "my out"]);
+    let said = merge(&folder, &["--usd", "wood.usda"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let wood = text(&folder, "wood.usda");
+    let named = payloads(&wood);
+    assert!(named.len() == 2 && named.iter().all(|file| file.ends_with(".usdc")), "{named:?}");
+    assert!(named.iter().all(|file| folder.file(file).is_file()), "{named:?}");
 }

@@ -43,7 +43,7 @@ impl AssemblyKind {
     /// Endings of trees' files that it names, the best first; they are the formats that write them.
     const fn of_trees(self) -> &'static [&'static str] {
         match self {
-            Self::Usd => &["usda", "usdz"],
+            Self::Usd => &["usda", "usdc", "usdz"],
             Self::Tiles => &["glb", "gltf"],
         }
     }
