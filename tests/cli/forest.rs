@@ -500,3 +500,15 @@ fn a_forests_picture_shows_its_trees_and_carries_its_recipe_on_any_number_of_thr
     assert!(code == Some(2) && said.contains("one tree"), "{code:?} {said}");
     assert!(!folder.path().join("no.svg").exists());
 }
+
+#[test]
+fn files_of_a_forest_are_called_by_its_id() {
+    let folder = Folder::new();
+    let text = |id: &str| format!("{id}area = 12\n[[tree]]\npreset = \"fir\"\nset = {{ points = 60 }}\n");
+    folder.write("park.toml", text("id = \"garden\"\n"));
+    folder.write("yard.toml", text(""));
+    for (file, expected) in [("park.toml", "garden.glb"), ("yard.toml", "yard.glb")] {
+        let said = folder.run(&[&["forest", file, "--format", "glb"], &SMALL[..]].concat());
+        assert!(said.code == Some(0) && said.out.contains(expected), "{}{}", said.out, said.err);
+    }
+}

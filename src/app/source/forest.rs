@@ -73,8 +73,8 @@ impl ForestFile {
         }
         let Some(text) = Self::text(path, monitor)? else { return Ok(None) };
         let document = ForestDocument::parse(&text).map_err(|fault| super::locate(&show(path), &fault))?;
-        let stem = path.file_stem();
-        let id = stem.map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        let stem = || path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+        let id = document.id.clone().or_else(stem).unwrap_or_else(|| "forest".to_owned());
         Ok(Some(Self { id, path: Some(path.to_owned()), text, document }))
     }
 

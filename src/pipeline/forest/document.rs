@@ -1,6 +1,7 @@
 //! A forest's text: TOML as people write it, JSON as files carry it.
 //!
 //! ```toml
+//! id = "wood"          # what files are called; without, the document's own name
 //! name = "Mixed wood"
 //! area = 70            # and the other knobs of a forest
 //! spacing = 6
@@ -22,7 +23,7 @@ use linden_base::document::{Datum, Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{Kind, excerpt, printable};
 
 /// The keys of a forest that are no knobs.
-const HEADINGS: [&str; 3] = ["name", "summary", "linden"];
+const HEADINGS: [&str; 4] = ["id", "name", "summary", "linden"];
 
 /// The list of kinds.
 const TREES: List = List { key: "tree", heading: "[[tree]]", one: "tree", most: (1000, "a forest") };
@@ -39,6 +40,8 @@ const SIZE: Kind = Kind::Real { min: 1e-3, max: 1e3, auto: false, names: &[] };
 /// A forest as its document has it: the presets are still names.
 #[derive(Clone, Debug)]
 pub struct ForestDocument {
+    /// What its files are called after; `None`: after the document's file.
+    pub id: Option<String>,
     /// Its name for people; may be empty.
     pub name: String,
     /// One line: what it is; may be empty.
@@ -87,6 +90,7 @@ impl ForestDocument {
         let mut forest = Self { trees: Vec::new(), ..Self::empty() };
         for entry in entries {
             match entry.key.as_str() {
+                "id" => forest.id = Some(entry.node.text("id")?.to_owned()),
                 "name" => entry.node.text("name")?.clone_into(&mut forest.name),
                 "summary" => entry.node.text("summary")?.clone_into(&mut forest.summary),
                 "tree" => forest.trees = TREES.read(&entry.node, tree_line)?,
@@ -109,7 +113,7 @@ impl ForestDocument {
             message: format!("not a forest: {}", printable(&error.to_string())),
         })?;
         let fault = |message: String| Fault { place: None, message };
-        let mut forest = Self { name: raw.name, summary: raw.summary, ..Self::empty() };
+        let mut forest = Self { id: raw.id, name: raw.name, summary: raw.summary, ..Self::empty() };
         // Which version wrote it decides nothing.
         for (name, value) in raw.knobs.iter().filter(|(name, _)| !HEADINGS.contains(&name.as_str())) {
             forest.layout.set(name, &value.text()).map_err(|error| fault(error.to_string()))?;
@@ -133,10 +137,14 @@ impl ForestDocument {
 
     fn empty() -> Self {
         let (name, summary) = (String::new(), String::new());
-        Self { name, summary, layout: Layout::default(), trees: Vec::new() }
+        Self { id: None, name, summary, layout: Layout::default(), trees: Vec::new() }
     }
 
     fn checked(self) -> Result<Self, Fault> {
+        if self.id.as_ref().is_some_and(|id| id.trim().is_empty()) {
+            let message = "'id' is empty: name the forest, like id = \"park\", or leave it out".to_owned();
+            return Err(Fault { place: None, message });
+        }
         if self.trees.is_empty() {
             let message = "a forest needs at least one [[tree]] with its preset".to_owned();
             return Err(Fault { place: None, message });
@@ -194,6 +202,7 @@ fn typed(entry: &Entry) -> Result<String, Fault> {
 
 /// As JSON has it; a recipe is kept letter by letter, which only JSON's reader can.
 struct Json<'a> {
+    id: Option<String>,
     name: String,
     summary: String,
     tree: Vec<JsonTree<'a>>,
@@ -225,9 +234,10 @@ impl<'de: 'a, 'a> Deserialize<'de> for Json<'a> {
             }
             fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let (name, summary) = (String::new(), String::new());
-                let mut json = Json { name, summary, tree: Vec::new(), knobs: BTreeMap::new() };
+                let mut json = Json { id: None, name, summary, tree: Vec::new(), knobs: BTreeMap::new() };
                 while let Some(key) = map.next_key::<String>()? {
                     match key.as_str() {
+                        "id" => json.id = map.next_value()?,
                         "name" => json.name = map.next_value()?,
                         "summary" => json.summary = map.next_value()?,
                         "tree" => json.tree = map.next_value()?,
@@ -313,6 +323,7 @@ mod tests {
                 "arae = 3\n[[tree]]\npreset = \"fir\"\n",
                 "1:1: a forest has no knob 'arae' (did you mean 'area'?)",
             ),
+            ("id = \" \"\n[[tree]]\npreset = \"fir\"\n", "'id' is empty"),
             ("\narea = 0\n[[tree]]\npreset = \"fir\"\n", "2:1: knob 'area'"),
             ("area = [1]\n[[tree]]\npreset = \"fir\"\n", "1:8: 'area' is a list"),
             ("area = 1e60\n[[tree]]\npreset = \"fir\"\n", "1:1: knob 'area' of a forest"),
