@@ -33,8 +33,8 @@ def upstream(socket):
             yield from upstream(other)
 
 
-def has_picture(socket):
-    return any(node.type == "TEX_IMAGE" and node.image and node.image.size[0] for node in upstream(socket))
+def pictures(socket):
+    return [node.image for node in upstream(socket) if node.type == "TEX_IMAGE" and node.image and node.image.size[0]]
 
 
 def material(each):
@@ -42,7 +42,10 @@ def material(each):
     nodes = each.node_tree.nodes if each.node_tree else []
     for node in nodes:
         if node.type == "BSDF_PRINCIPLED":
-            told["picture"], told["normals"] = (has_picture(node.inputs[name]) for name in ("Base Color", "Normal"))
+            told["picture"] = bool(pictures(node.inputs["Base Color"]))
+            # Directions that are taken for colours bend the light.
+            normals = pictures(node.inputs["Normal"])
+            told["normals"] = bool(normals) and all(image.colorspace_settings.is_data for image in normals)
             told["cut"] = node.inputs["Alpha"].is_linked
         told["through"] |= node.type == "BSDF_TRANSLUCENT"
     return told
