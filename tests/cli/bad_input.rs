@@ -60,6 +60,13 @@ fn names_that_do_not_exist() {
 }
 
 #[test]
+fn flags_of_other_commands_are_told_what_does_it_here() {
+    refused_usage(&["export", "oak", "--season", "autumn"], &["'--set season=autumn'", "--seasons"]);
+    refused_usage(&["preview", "oak", "--seasons"], &["'--set season=autumn'"]);
+    refused_usage(&["preview", "oak", "--ages=5y"], &["'--age 10y'", "'linden sheet SOURCE --ages"]);
+}
+
+#[test]
 fn a_source_in_the_place_of_a_command_is_told_which_commands_take_it() {
     for preset in ["oak", "mixed-wood"] {
         let open = format!("'linden open {preset}' shows it in the workbench");

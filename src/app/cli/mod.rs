@@ -442,6 +442,29 @@ fn tell_what_takes_a_source(error: &mut clap::Error) {
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
 }
 
+/// What does what a flag of other commands, or of none, asks for.
+fn meant_by(flag: &str) -> Option<&'static [&'static str]> {
+    match flag {
+        "--season" | "--seasons" => Some(&[
+            "one season is a knob: '--set season=autumn'",
+            "a file for each: 'linden export SOURCE --seasons'",
+        ]),
+        "--ages" => {
+            Some(&["one age: '--age 10y'", "several on a picture: 'linden sheet SOURCE --ages -o ages.png'"])
+        }
+        _ => None,
+    }
+}
+
+/// Says what a flag that the command does not have is called here.
+fn tell_what_is_meant(error: &mut clap::Error) {
+    use clap::error::{ContextKind, ContextValue};
+    let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else { return };
+    let Some(tips) = meant_by(typed) else { return };
+    let tips = tips.iter().map(|tip| (*tip).into()).collect();
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+}
+
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
     crate::system::outlive_file_limits();
@@ -450,6 +473,7 @@ pub fn run() -> ExitCode {
         Ok(cli) => cli,
         Err(mut error) => {
             tell_what_takes_a_source(&mut error);
+            tell_what_is_meant(&mut error);
             // Help and version go to standard output with 0, mistakes to standard error with 2.
             let code = u8::try_from(error.exit_code()).unwrap_or(2);
             let _ = error.print();

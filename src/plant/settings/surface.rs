@@ -77,7 +77,7 @@ impl Tubes {
             "junction",
             Kind::Choice(Junction::WORDS),
             "",
-            "how branches meet: tubes that overlap, the same with collars, or one closed solid for printing and simulation (slow)",
+            "how branches meet: tubes that overlap, the same with collars, or one closed solid for printing and simulation (slow: the oak about a minute on two cores, 310 MB as GLB)",
             junction,
             details(
                 "overlap is lightest: each branch is a closed tube that starts inside its parent. blend \
