@@ -206,7 +206,7 @@ numbers! {
         "where trunk_diameter_m is measured, from the foot along the stem and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
         ("") = |f| f.dbh_m().map_or(0.0, |_| BREAST_HEIGHT_M);
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
-        "diameter at breast height: trunk_diameter_m where that is at 1.3 m, null for a shorter stem"
+        "diameter at breast height: trunk_diameter_m, with a flare that reaches there but for a scan, where that is at 1.3 m, null for a shorter stem"
         ("West 2015, Tree and Forest Measurement") = |f| f.dbh_m();
     dbh_se_m: Option<f64>, Stem "its standard error" ["m"] Wood
         "standard error of dbh_m, as far as noise and the part of the turn that was seen go: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
@@ -288,7 +288,7 @@ numbers! {
         ("Morales & MacFarlane 2024, Reducing tree volume overestimation in quantitative structure models") = |f| f.measured_volume_share();
 
     axes: usize, Branching "axes" [""] Wood
-        "chains of segments from a base to an apex: stems and laterals"
+        "chains of segments from a base to an apex: stems and laterals; of a tree that was grown from a scan more than it has"
         ("Prusinkiewicz & Lindenmayer 1990, The Algorithmic Beauty of Plants, 1.6.1") = |f| f.skeleton.axes.len();
     max_order: u32, Branching "highest order" [""] Wood
         "the highest order of an axis: 0 is a stem, a lateral has one more than the axis that bears it"
@@ -297,7 +297,7 @@ numbers! {
         "nodes that end a segment and bear none"
         ("") = |f| f.tips;
     branching_angle_mean_deg: Option<f64>, Branching "angle" ["°"] Wood
-        "the angle between a lateral's first segment and the segment of the parent axis that ends where it leaves, averaged over all laterals; 0 is straight on"
+        "the angle between a lateral's first segment and the segment of the parent axis that ends where it leaves, averaged over all laterals; 0 is straight on. Of a tree that was grown from a scan too large: the first segment leads out of the middle of what bears it"
         ("Raumonen et al. 2013") = |f| f.angles.mean;
     branching_angle_sd_deg: Option<f64>, Branching "spread of the angle" ["°"] Wood
         "standard deviation of that angle over all laterals, as of a sample (n − 1)"
