@@ -215,7 +215,7 @@ fn fit_columns(text: &mut Text, fit: Option<&RadiusFit>, scale: f32) {
     text.byte(b',');
     text.integer(fit.inliers);
     text.byte(b',');
-    text.floats([fit.mad_m * scale, fit.arc_rad.to_degrees(), fit.se_m * scale], b",");
+    text.floats([fit.mad_m * scale, fit.arc_deg() as f32, fit.se_m * scale], b",");
     text.byte(b',');
     text.slice(fit.source.word().as_bytes());
 }

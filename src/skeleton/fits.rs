@@ -35,4 +35,25 @@ impl RadiusFit {
     /// A guess.
     pub const GUESSED: Self =
         Self { source: RadiusSource::Guessed, inliers: 0, mad_m: 0.0, arc_rad: 0.0, se_m: 0.0, gap_m: 0.0 };
+
+    /// How much of the turn its points cover, degrees, as it is written: to a tenth.
+    pub fn arc_deg(&self) -> f64 {
+        libm::round(f64::from(self.arc_rad).to_degrees() * 10.0) / 10.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn arcs_are_written_to_a_tenth_of_a_degree() {
+        for (degrees, written) in [(150.0_f64, "150"), (230.0, "230"), (123.456, "123.5"), (0.0, "0")] {
+            let fit = RadiusFit { arc_rad: degrees.to_radians() as f32, ..RadiusFit::GUESSED };
+            assert_eq!(
+                (fit.arc_deg().to_string(), (fit.arc_deg() as f32).to_string()),
+                (written.into(), written.into())
+            );
+        }
+    }
 }

@@ -105,6 +105,31 @@ fn each_tree_of_a_plot_is_grown_by_itself_where_it_stands() {
 }
 
 #[test]
+fn one_numbered_tree_among_other_points_is_a_folder_of_one() {
+    let folder = Folder::new();
+    let text = plot(&folder);
+    let lines = |is_one: &dyn Fn(&str) -> bool| -> String {
+        text.lines().filter(|line| line.starts_with('x') || is_one(line)).collect::<Vec<_>>().join("\n")
+    };
+    folder.write("single.csv", lines(&|line| !line.ends_with(",21")).as_bytes());
+    let said = folder.run(&["export", "single.csv", "-o", "trees/"]);
+    assert!(
+        said.code == Some(0) && said.err.contains("'treeID' tells one tree from other points"),
+        "{}",
+        said.err
+    );
+    let rows = table(&folder.read("trees/trees.csv"));
+    assert_eq!((rows.len(), rows[&7]["files"].as_str()), (1, "7.glb"));
+    // Where nothing tells points apart, the file's name is the tree's.
+    folder.write("alone.csv", lines(&|line| line.ends_with(",7")).as_bytes());
+    succeed(&folder, &["export", "alone.csv", "-o", "alone/", "--format", "glb", "--mkdir"]);
+    assert!(folder.read("alone/alone.glb").starts_with(b"glTF"));
+    let one = folder.run(&["stats", "single.csv", "--json"]).json();
+    let alone = folder.run(&["stats", "alone.csv", "--json"]).json();
+    assert_eq!(one["skeleton_hash"], alone["skeleton_hash"]);
+}
+
+#[test]
 fn what_is_wrong_with_a_tree_stops_no_other() {
     let folder = Folder::new();
     let mut text = plot(&folder);

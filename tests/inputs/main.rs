@@ -7,6 +7,7 @@ mod clouds;
 mod envelope;
 mod obj;
 mod ply;
+mod reading;
 mod scan;
 mod scan_back;
 mod scanner;

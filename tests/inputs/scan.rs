@@ -53,7 +53,7 @@ fn bark(limbs: &[Limb], key: Key) -> Vec<DVec3> {
     points
 }
 
-fn scan() -> Vec<DVec3> {
+pub fn scan() -> Vec<DVec3> {
     bark(&limbs(), Key::new(1))
 }
 

@@ -75,7 +75,11 @@ impl Plot<'_> {
         drop(batch);
         let count = self.trees.numbers.len();
         let InputTrees { told_by, .. } = &self.trees;
-        super::notes(&[format!("{told_by} tells {count} trees apart; each is grown by itself")], progress);
+        let said = match count {
+            1 => format!("{told_by} tells one tree from other points; it is grown by itself"),
+            _ => format!("{told_by} tells {count} trees apart; each is grown by itself"),
+        };
+        super::notes(&[said], progress);
         let mut rows = Vec::new();
         let crew = Crew::of_threads(progress);
         let crew = Crew { memory: crew.memory - room_for_pictures(progress), in_order: true, ..crew };
@@ -99,7 +103,8 @@ impl Plot<'_> {
         if failed > 0 {
             bail!("{failed} of {count} trees failed; {} says why", show(&table));
         }
-        super::print(&format!("{count} trees written into {}, with {}\n", show(self.folder), show(&table)))
+        let trees = if count == 1 { "tree" } else { "trees" };
+        super::print(&format!("{count} {trees} written into {}, with {}\n", show(self.folder), show(&table)))
     }
 
     fn recipe(&self, number: u32) -> anyhow::Result<Recipe> {

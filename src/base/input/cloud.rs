@@ -2,6 +2,8 @@
 
 use glam::DVec3;
 
+use super::crs::MapUnits;
+use super::mixing::are_mixed;
 use crate::last::Last;
 use crate::memory::bytes_of;
 
@@ -12,10 +14,23 @@ pub struct Cloud {
     pub positions: Vec<DVec3>,
     /// Columns that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
+    /// Columns with a name like theirs that seem to number classes, such as wood and leaf: their numbers lie at the same
+    /// places. They tell trees apart for who names them.
+    pub classes: Vec<TreeColumn>,
+    /// Columns with a name like theirs whose values number nothing.
+    pub unnumbered: Vec<UnnumberedColumn>,
     /// What tells wood from leaves, where the file does.
     pub leaves: Option<LeafColumn>,
     /// How far apart they are in the file's units, where they are the cells of a grid of heights above ground.
     pub cell: Option<f64>,
+    /// Which points the file classes as ground, where it classes some so and others not; they are of no tree.
+    pub is_ground: Option<Vec<bool>>,
+    /// The units of the map that the file says it is drawn on, where they are not metres.
+    pub units: Option<MapUnits>,
+    /// Rows of a table that were left out, since a coordinate is missing or NaN.
+    pub placeless_rows: u64,
+    /// Whether the first of four columns counted rows and was passed over, though no header says so.
+    pub has_row_numbers: bool,
     /// The names of the columns that were taken for x, y and z, where a table has a header that names none of these;
     /// printable.
     pub unnamed: Option<[String; 3]>,
@@ -45,6 +60,15 @@ pub struct TreeColumn {
     pub numbers: Vec<u32>,
 }
 
+/// A column that is named as if it told trees apart and holds a value that is no number of a tree.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnnumberedColumn {
+    /// As the file names it.
+    pub name: String,
+    /// The first such value.
+    pub value: f64,
+}
+
 /// Which points lie on leaves.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeafColumn {
@@ -59,9 +83,11 @@ impl Cloud {
     pub fn bytes(&self) -> u64 {
         let of_column = |column: &TreeColumn| bytes_of::<u32>(column.numbers.capacity());
         let leaves = self.leaves.as_ref().map_or(0, |column| bytes_of::<bool>(column.is_leaf.capacity()));
+        let ground = self.is_ground.as_ref().map_or(0, |marks| bytes_of::<bool>(marks.capacity()));
         leaves
+            + ground
             + bytes_of::<DVec3>(self.positions.capacity())
-            + self.trees.iter().map(of_column).sum::<u64>()
+            + self.trees.iter().chain(&self.classes).map(of_column).sum::<u64>()
             + self.segmentation_cache.kept().map_or(0, |column| of_column(&column))
             + self.thinning_cache.kept().map_or(0, |cloud| cloud.bytes())
     }
@@ -97,7 +123,74 @@ impl TreeColumn {
         }
         counts.into_iter().collect()
     }
+
+    /// Takes what is marked off all trees.
+    fn clear(&mut self, marks: &[bool]) {
+        for (number, _) in self.numbers.iter_mut().zip(marks).filter(|(_, marked)| **marked) {
+            *number = 0;
+        }
+    }
+
+    /// Points of no tree.
+    pub fn unnumbered_points(&self) -> usize {
+        self.numbers.iter().filter(|&&number| number == 0).count()
+    }
+
+    /// Two numbers whose points lie among each other, where the column has so few that they may be classes of one tree's
+    /// points and not trees. Those of no tree do not count.
+    pub fn mixed_numbers(&self, positions: &[DVec3]) -> Option<[u32; 2]> {
+        let numbers: Vec<u32> = self.counts().into_iter().map(|(number, _)| number).collect();
+        self.mixed_of(&numbers, positions)
+    }
+
+    /// The same of given numbers.
+    fn mixed_of(&self, numbers: &[u32], positions: &[DVec3]) -> Option<[u32; 2]> {
+        if numbers.len() > MOST_CLASSES {
+            return None;
+        }
+        let mut sets = vec![Vec::new(); numbers.len()];
+        let rows = positions.iter().zip(&self.numbers);
+        // Odd, where rows of two numbers take turns.
+        for (point, number) in rows.step_by(positions.len().div_ceil(MIXING_SAMPLE) | 1) {
+            if let Some(set) = numbers.iter().position(|known| known == number) {
+                sets[set].push(*point);
+            }
+        }
+        let pairs = (0..numbers.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+        let mut mixed = pairs.filter(|&(a, b)| are_mixed(&sets[a], &sets[b]));
+        mixed.next().map(|(a, b)| [numbers[a], numbers[b]])
+    }
+
+    /// Whether its name hardly says that it numbers trees, and its numbers from 0 are those of classes.
+    fn has_classes(&self, positions: &[DVec3]) -> bool {
+        if rank(&self.name) != Some(WORDS.len() - 1) {
+            return false;
+        }
+        let mut numbers: Vec<u32> = self.counts().into_iter().map(|(number, _)| number).collect();
+        if self.unnumbered_points() > 0 {
+            numbers.insert(0, 0);
+        }
+        self.mixed_of(&numbers, positions).is_some()
+    }
+
+    /// Which points lie on leaves, of classes that are 1 and 2.
+    fn leaves(&self) -> Option<LeafColumn> {
+        let is_one = self.counts().iter().map(|(number, _)| *number).eq([LEAF - 1, LEAF]);
+        is_one.then(|| LeafColumn {
+            name: self.name.clone(),
+            is_leaf: self.numbers.iter().map(|&number| number == LEAF).collect(),
+        })
+    }
 }
+
+/// A column with more numbers has no classes.
+const MOST_CLASSES: usize = 6;
+
+/// Points that are looked at for that.
+const MIXING_SAMPLE: usize = 300_000;
+
+/// Leaf, where 1 is wood.
+const LEAF: u32 = 2;
 
 /// Words that the names of such columns have in them, the likeliest first: those of programs that segment scans of
 /// forests, then those of others.
@@ -127,7 +220,7 @@ fn plain(name: &str) -> String {
 /// programs that segment forests write them, or 1 leaf and 0 none. `None`: its name says nothing of the kind.
 fn leaf_number(name: &str) -> Option<u32> {
     match plain(name).as_str() {
-        "part" | "semanticseg" | "woodleaf" | "leafwood" => Some(2),
+        "part" | "semanticseg" | "woodleaf" | "leafwood" => Some(LEAF),
         "leaf" | "isleaf" => Some(1),
         _ => None,
     }
@@ -144,17 +237,27 @@ pub(super) struct Columns(Vec<Reading>);
 
 struct Reading {
     column: TreeColumn,
-    /// All values so far are whole numbers.
-    is_whole: bool,
+    /// The first value that is no number of a tree.
+    odd: Option<f64>,
     /// The largest so far.
     most: u32,
+}
+
+/// What columns say.
+#[derive(Default)]
+pub(super) struct Told {
+    /// Those that tell trees apart, the likeliest first.
+    pub trees: Vec<TreeColumn>,
+    pub classes: Vec<TreeColumn>,
+    pub unnumbered: Vec<UnnumberedColumn>,
+    /// The first that tells wood from leaves: it has both, and no number beyond them.
+    pub leaves: Option<LeafColumn>,
 }
 
 impl Columns {
     /// Those of these names.
     pub fn new(names: impl IntoIterator<Item = String>) -> Self {
-        let reading =
-            |name| Reading { column: TreeColumn { name, numbers: Vec::new() }, is_whole: true, most: 0 };
+        let reading = |name| Reading { column: TreeColumn { name, numbers: Vec::new() }, odd: None, most: 0 };
         Self(names.into_iter().map(reading).collect())
     }
 
@@ -176,10 +279,12 @@ impl Columns {
     }
 
     /// Takes the value of a point to a column, and adds it if the point is kept. What is below 1 or no number is of no tree; a
-    /// fraction makes the whole column one of something else.
+    /// fraction, or more than 32 bits hold, makes the whole column one of something else.
     pub fn take(&mut self, column: usize, value: f64, is_kept: bool) {
-        let Some(Reading { column, is_whole, most }) = self.0.get_mut(column) else { return };
-        *is_whole &= value.is_nan() || value.fract() == 0.0 && value <= f64::from(u32::MAX);
+        let Some(Reading { column, odd, most }) = self.0.get_mut(column) else { return };
+        if !value.is_nan() && (value.fract() != 0.0 || value > f64::from(u32::MAX)) {
+            odd.get_or_insert(value);
+        }
         let number = if value >= 1.0 { value as u32 } else { 0 };
         *most = number.max(*most);
         if is_kept {
@@ -187,23 +292,32 @@ impl Columns {
         }
     }
 
-    /// Those that tell trees apart, the likeliest first, and the first that tells wood from leaves: it has both, and no
-    /// number beyond them.
-    pub fn finish(self) -> (Vec<TreeColumn>, Option<LeafColumn>) {
-        let is_one = |reading: &Reading| reading.is_whole && reading.column.numbers.iter().any(|&n| n > 0);
-        let found = self.0.into_iter().filter(is_one);
-        let (leaves, trees): (Vec<Reading>, Vec<Reading>) =
-            found.partition(|reading| leaf_number(&reading.column.name).is_some());
-        let mut trees: Vec<TreeColumn> = trees.into_iter().map(|reading| reading.column).collect();
-        trees.sort_by_key(|column| rank(&column.name));
-        let leaves = leaves.into_iter().find_map(|Reading { column, most, .. }| {
-            let TreeColumn { name, numbers } = column;
-            let leaf = leaf_number(&name)?;
-            let has_both = numbers.contains(&(leaf - 1)) && numbers.contains(&leaf);
-            let is_leaf = || numbers.iter().map(|&number| number == leaf).collect();
-            (most == leaf && has_both).then(|| LeafColumn { is_leaf: is_leaf(), name })
-        });
-        (trees, leaves)
+    /// What they say of points at these positions, some of which may be on the ground.
+    pub fn finish(self, positions: &[DVec3], is_ground: Option<&[bool]>) -> Told {
+        let mut told = Told::default();
+        for Reading { mut column, odd, most } in self.0 {
+            column.clear(is_ground.unwrap_or_default());
+            match (leaf_number(&column.name), odd) {
+                (Some(leaf), None) => {
+                    let TreeColumn { name, numbers } = column;
+                    let has_both = numbers.contains(&(leaf - 1)) && numbers.contains(&leaf);
+                    if most == leaf && has_both && told.leaves.is_none() {
+                        let is_leaf = numbers.iter().map(|&number| number == leaf).collect();
+                        told.leaves = Some(LeafColumn { name, is_leaf });
+                    }
+                }
+                (Some(_), Some(_)) => {}
+                (None, Some(value)) => {
+                    told.unnumbered.push(UnnumberedColumn { name: column.name, value });
+                }
+                (None, None) if column.numbers.iter().all(|&number| number == 0) => {}
+                (None, None) if column.has_classes(positions) => told.classes.push(column),
+                (None, None) => told.trees.push(column),
+            }
+        }
+        told.trees.sort_by_key(|column| rank(&column.name));
+        told.leaves = told.leaves.or_else(|| told.classes.iter().find_map(TreeColumn::leaves));
+        told
     }
 }
 
@@ -241,7 +355,7 @@ mod tests {
             for &value in values {
                 columns.take(0, value, true);
             }
-            let (trees, leaves) = columns.finish();
+            let Told { trees, leaves, .. } = columns.finish(&vec![DVec3::ZERO; values.len()], None);
             assert!(trees.is_empty(), "{name}");
             leaves.map(|column| column.is_leaf)
         };
@@ -266,8 +380,10 @@ mod tests {
                 columns.take(column, value, true);
             }
         }
-        let (trees, leaves) = columns.finish();
-        assert_eq!(leaves, None);
+        let places = [DVec3::ZERO, 9.0 * DVec3::X, 9.0 * DVec3::Y];
+        let Told { trees, leaves, unnumbered, classes } = columns.finish(&places, None);
+        assert_eq!((leaves, classes), (None, vec![]));
+        assert_eq!(unnumbered, [UnnumberedColumn { name: "instance_share".to_owned(), value: 0.5 }]);
         assert_eq!(trees.iter().map(|column| column.name.as_str()).collect::<Vec<_>>(), ["treeID", "label"]);
         assert_eq!(trees[0].numbers, [0, 0, 7]);
         assert_eq!(trees[1].counts(), [(1, 1), (2, 2)]);

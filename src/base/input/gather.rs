@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use foldhash::fast::FixedState;
 use glam::DVec3;
 
-use super::cloud::{Columns, Thinned};
-use super::{Cloud, READING, READING_ADVICE};
+use super::cloud::{Columns, Thinned, Told};
+use super::{Cloud, LeafColumn, READING, READING_ADVICE, TreeColumn};
 use crate::memory::{OverMemory, bytes_grown, bytes_of};
 use crate::monitor::{Cancelled, Monitor};
 
@@ -57,9 +57,13 @@ impl Cubes {
 pub(super) struct Gathering<'m> {
     positions: Vec<DVec3>,
     columns: Columns,
+    /// Which are on the ground; empty until one is.
+    is_ground: Vec<bool>,
     cubes: Option<Cubes>,
     /// Points that came.
     came: u64,
+    /// And rows without a place.
+    placeless: u64,
     /// Bytes that are held beside.
     held: u64,
     monitor: &'m dyn Monitor,
@@ -69,7 +73,9 @@ impl<'m> Gathering<'m> {
     /// None yet, with columns of these names. Of each cube with sides `cube` the first point is kept; of 0 or without, all.
     pub fn new(names: impl IntoIterator<Item = String>, cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
         let cubes = cube.filter(|&side| side > 0.0).map(Cubes::new);
-        Self { positions: Vec::new(), columns: Columns::new(names), cubes, came: 0, held: 0, monitor }
+        let columns = Columns::new(names);
+        let (positions, is_ground) = (Vec::new(), Vec::new());
+        Self { positions, columns, is_ground, cubes, came: 0, placeless: 0, held: 0, monitor }
     }
 
     /// The same while so many bytes are held beside.
@@ -89,6 +95,27 @@ impl<'m> Gathering<'m> {
     /// How many points came, kept or not.
     pub fn came(&self) -> u64 {
         self.came
+    }
+
+    /// Counts a row that says no place.
+    pub fn pass_over(&mut self) {
+        self.placeless += 1;
+    }
+
+    /// How many rows said no place.
+    pub fn placeless(&self) -> u64 {
+        self.placeless
+    }
+
+    /// Adds a point on the ground.
+    pub fn push_ground(&mut self, point: DVec3, value: impl Fn(usize) -> f64) -> Result<(), OverMemory> {
+        let before = self.positions.len();
+        self.push(point, value)?;
+        if self.positions.len() > before {
+            self.is_ground.resize(before, false);
+            self.is_ground.push(true);
+        }
+        Ok(())
     }
 
     /// Adds a point; `value` has what its columns say, by their numbers.
@@ -120,7 +147,8 @@ impl<'m> Gathering<'m> {
         if self.positions.len() == self.positions.capacity() {
             let count = self.positions.len() + 1;
             let columns = bytes_grown::<u32>(count).saturating_mul(self.columns.count() as u64);
-            let bytes = bytes_grown::<DVec3>(count).saturating_add(columns);
+            let marks = if self.is_ground.is_empty() { 0 } else { bytes_grown::<bool>(count) };
+            let bytes = bytes_grown::<DVec3>(count).saturating_add(columns).saturating_add(marks);
             let all = bytes.saturating_add(self.held).saturating_add(of_cubes);
             self.monitor.admit(READING, all, READING_ADVICE)?;
         }
@@ -129,10 +157,24 @@ impl<'m> Gathering<'m> {
 
     /// All that came and was kept.
     pub fn finish(self) -> Cloud {
-        let Self { positions, columns, cubes, came, .. } = self;
+        let Self { positions, columns, mut is_ground, cubes, came, placeless, .. } = self;
+        let has_others = is_ground.len() < positions.len() || is_ground.contains(&false);
+        is_ground.resize(if is_ground.is_empty() { 0 } else { positions.len() }, false);
+        let is_ground = Some(is_ground).filter(|marks| !marks.is_empty() && has_others);
         let thinned = cubes.map(|cubes| Thinned { cube: cubes.side, of: came });
-        let (trees, leaves) = columns.finish();
-        Cloud { positions, trees, leaves, thinned, ..Cloud::default() }
+        let Told { trees, classes, unnumbered, leaves } = columns.finish(&positions, is_ground.as_deref());
+        let placeless_rows = placeless;
+        Cloud {
+            positions,
+            trees,
+            classes,
+            unnumbered,
+            leaves,
+            is_ground,
+            placeless_rows,
+            thinned,
+            ..Cloud::default()
+        }
     }
 }
 
@@ -142,21 +184,36 @@ impl Cloud {
     /// # Errors
     /// No memory; cancelled.
     pub fn thin(&self, cube: f64, monitor: &dyn Monitor) -> Result<Self, ThinError> {
-        let names = self.trees.iter().map(|column| column.name.clone());
-        let names = names.chain(self.leaves.as_ref().map(|column| column.name.clone()));
+        let numbered: Vec<&TreeColumn> = self.trees.iter().chain(&self.classes).collect();
+        let is_class = |leaves: &&LeafColumn| self.classes.iter().any(|column| column.name == leaves.name);
+        let leaves = self.leaves.as_ref().filter(|leaves| !is_class(leaves));
+        let names = numbered.iter().map(|column| column.name.clone());
+        let names = names.chain(leaves.map(|column| column.name.clone()));
         let mut kept = Gathering::new(names, Some(cube), monitor).holding(self.bytes());
         for (at, &point) in self.positions.iter().enumerate() {
             if at % super::ROWS_PER_CHECK == 0 {
                 monitor.check()?;
             }
-            let value = |column: usize| match (self.trees.get(column), &self.leaves) {
+            let value = |column: usize| match (numbered.get(column), leaves) {
                 (Some(column), _) => f64::from(column.numbers[at]),
                 (None, Some(leaves)) => f64::from(leaves.number(at)),
                 (None, None) => f64::NAN,
             };
-            kept.push(point, value)?;
+            if self.is_ground.as_ref().is_some_and(|marks| marks[at]) {
+                kept.push_ground(point, value)?;
+            } else {
+                kept.push(point, value)?;
+            }
         }
-        Ok(Self { cell: self.cell, unnamed: self.unnamed.clone(), ..kept.finish() })
+        Ok(Self {
+            cell: self.cell,
+            unnamed: self.unnamed.clone(),
+            unnumbered: self.unnumbered.clone(),
+            units: self.units,
+            placeless_rows: self.placeless_rows,
+            has_row_numbers: self.has_row_numbers,
+            ..kept.finish()
+        })
     }
 }
 

@@ -13,7 +13,7 @@ use tiff::TiffError;
 use tiff::decoder::{Decoder, DecodingResult, Limits};
 use tiff::tags::Tag;
 
-use super::{Cloud, InputError, READING, READING_ADVICE, in_range};
+use super::{Cloud, InputError, MapUnits, READING, READING_ADVICE, in_range};
 use crate::memory::{bytes_grown, bytes_of};
 use crate::monitor::{Monitor, Phase};
 
@@ -52,7 +52,7 @@ pub fn read_geotiff(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputE
 }
 
 fn read_all(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
-    let broken = |error: TiffError| whole(&format!("{error}; it may be cut off"));
+    let broken = |error: TiffError| whole(&advised(&error));
     let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(broken)?;
     let mut limits = Limits::default();
     limits.decoding_buffer_size = MOST_PIECE_BYTES;
@@ -81,7 +81,7 @@ fn read_all(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
         monitor.admit(READING, bytes_of::<DVec3>(positions.capacity()) + piece_bytes, READING_ADVICE)?;
         let data = decoder
             .read_chunk(number)
-            .map_err(|error| whole(&format!("piece {piece} of {pieces}: {error}; it may be cut off")))?;
+            .map_err(|error| whole(&format!("piece {piece} of {pieces}: {}", advised(&error))))?;
         let (data_wide, data_high) = decoder.chunk_data_dimensions(number);
         let (left, top) = (number % across * wide, number / across * high);
         for row in 0..data_high {
@@ -108,7 +108,19 @@ fn read_all(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     if positions.is_empty() {
         return Err(whole(&format!("none of its {columns} × {rows} cells has a height")));
     }
-    Ok(Cloud { positions, cell: Some(place.cell), ..Cloud::default() })
+    let directory = decoder.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
+    let units = MapUnits::of_keys(&directory);
+    Ok(Cloud { positions, cell: Some(place.cell), units, ..Cloud::default() })
+}
+
+/// What is wrong, and what to do.
+fn advised(error: &TiffError) -> String {
+    match error {
+        TiffError::UnsupportedError(_) => {
+            format!("{error}; pack it otherwise (gdal_translate -co COMPRESS=DEFLATE)")
+        }
+        _ => format!("{error}; it may be cut off"),
+    }
 }
 
 /// Where cells lie.
@@ -237,6 +249,20 @@ mod tests {
         let tie = [1.0, 2.0, 0.0, 100.0, 50.0, 0.0];
         let cloud = read_geotiff(&small(&[2.0, 2.0, 0.0], &tie, &[]), &Quiet).unwrap();
         assert_eq!(cloud.positions[0], DVec3::new(99.0, 53.0, 1.0));
+    }
+
+    #[test]
+    fn a_map_in_feet_says_so_and_what_is_packed_in_unknown_ways_is_not_cut_off() {
+        let units = |keys: &[u16]| read_geotiff(&small(&[2.0, 2.0, 0.0], &TIE, keys), &Quiet).unwrap().units;
+        assert_eq!(units(&[MODEL_TYPE, 1, 3076, 9002]).and_then(|units| units.scale()), Some(0.3048));
+        assert_eq!(units(&[MODEL_TYPE, 1, 3076, 9001]), None);
+        // The entry of the directory for Compression (259), a short, of one value: 1, none. 50000 is Zstandard.
+        let mut bytes = small(&[2.0, 2.0, 0.0], &TIE, &[]);
+        let entry = [3, 1, 3, 0, 1, 0, 0, 0, 1, 0];
+        let at = bytes.windows(entry.len()).position(|window| window == entry).unwrap();
+        bytes[at + 8..at + 10].copy_from_slice(&50_000_u16.to_le_bytes());
+        let said = read_geotiff(&bytes, &Quiet).unwrap_err().to_string();
+        assert!(said.contains("COMPRESS=DEFLATE") && !said.contains("cut off"), "{said}");
     }
 
     #[test]

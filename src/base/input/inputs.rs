@@ -154,9 +154,10 @@ impl Input {
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
             InputKind::PlyMesh | InputKind::PlyPoints => {
-                let PlyData { positions, faces: triangles, trees, leaves } = read_ply(bytes, monitor)?;
+                let PlyData { positions, faces: triangles, trees, classes, unnumbered, leaves } =
+                    read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
-                    let cloud = Cloud { positions, trees, leaves, ..Cloud::default() };
+                    let cloud = Cloud { positions, trees, classes, unnumbered, leaves, ..Cloud::default() };
                     points(match cube {
                         Some(cube) => cloud.thin(cube, monitor)?,
                         None => cloud,

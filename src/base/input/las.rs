@@ -1,7 +1,7 @@
 //! Reads LAS 1.0 to 1.4 and LAZ, by the crate las: points of surveys and scanners.
 //!
 //! What the file itself says is no point is left out: records that are withheld, and the classes 7 (low point) and 18 (high
-//! noise). Coordinates are raw · scale + offset in `f64`, so that those of a survey keep their millimetres.
+//! noise). Class 2 is ground. Coordinates are raw · scale + offset in `f64`, so that those of a survey keep their millimetres.
 //!
 //! The crate believes a header's number of chunks, and indexes by what it decompresses; the number is held against the file
 //! before, and what panics on damaged data becomes an error.
@@ -14,7 +14,7 @@ use las::{PointDataBuilder, Reader};
 
 use super::cloud::is_read;
 use super::gather::Gathering;
-use super::{Cloud, InputError, READING, READING_ADVICE, in_range};
+use super::{Cloud, InputError, MapUnits, READING, READING_ADVICE, in_range};
 use crate::memory::bytes_of;
 use crate::monitor::{Monitor, Phase};
 
@@ -25,6 +25,9 @@ const BYTES_PER_PIECE: u64 = 1 << 24;
 
 /// Classes of the format's table that are noise.
 const NOISE: [u8; 2] = [7, 18];
+
+/// The class of the ground.
+const GROUND: u8 = 2;
 
 /// Reads the points of a LAS or LAZ file; Z is up. Extra bytes whose names say so tell the trees apart (`treeID`,
 /// `PredInstance` …).
@@ -102,17 +105,35 @@ fn read_all(
             for coordinate in [x, y, z] {
                 in_range(coordinate).map_err(|expected| damaged(&format!("expected {expected}")))?;
             }
-            points.push(DVec3::new(x, y, z), |column| extra[column].value(record))?;
+            let (point, value) = (DVec3::new(x, y, z), |column: usize| extra[column].value(record));
+            if class == GROUND {
+                points.push_ground(point, value)?;
+            } else {
+                points.push(point, value)?;
+            }
         }
         done += found;
         monitor.advance(Phase::Read, done, Some(total));
     }
-    if points.came() == 0 {
-        return Err(whole(&format!(
-            "none of its {total} records is a point that is not withheld and no noise"
-        )));
+    match (total, points.came()) {
+        (0, _) => Err(whole("it holds no points: its header announces 0 records; export it anew")),
+        (_, 0) => Err(whole(&format!("all of its {total} records are withheld or noise (classes 7 and 18)"))),
+        _ => Ok(Cloud { units: units(reader.header()), ..points.finish() }),
     }
-    Ok(points.finish())
+}
+
+/// The units that records of the coordinate system name; its text counts more than its keys.
+fn units(header: &las::Header) -> Option<MapUnits> {
+    let all = || header.vlrs().iter().chain(header.evlrs()).filter(|vlr| vlr.user_id == "LASF_Projection");
+    let data = |id: u16| all().find(|vlr| vlr.record_id == id).map(|vlr| &vlr.data[..]);
+    let keys = |bytes: &[u8]| {
+        let numbers = bytes.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]]));
+        MapUnits::of_keys(&numbers.collect::<Vec<u16>>())
+    };
+    match data(2112) {
+        Some(text) => MapUnits::of_text(&String::from_utf8_lossy(text)),
+        None => data(34735).and_then(keys),
+    }
 }
 
 /// One of the further values of each record, which the format calls extra bytes and describes in a record of its own
@@ -371,6 +392,57 @@ mod tests {
     }
 
     #[test]
+    fn class_2_is_ground_and_of_no_tree() {
+        let record = |at: i32, class: u8| ([at, 0, 0], class);
+        let some = file(&[record(1, 5), record(2, 2), record(3, 0b10_0000 | 2), record(4, 1)]);
+        for (bytes, marks) in [
+            (&some, Some(vec![false, true, true, false])),
+            (&file(&[record(1, 5), record(2, 4)]), None),
+            // What is everywhere tells nothing.
+            (&file(&[record(1, 2), record(2, 2)]), None),
+        ] {
+            assert_eq!(read_las(bytes, &Quiet).unwrap().is_ground, marks);
+        }
+        let thin = thin_las(&some, Some(0.0004), &Quiet).unwrap();
+        assert_eq!(thin.is_ground, Some(vec![false, true, true, false]));
+        assert_eq!(read_las(&some, &Quiet).unwrap().thin(0.0004, &Quiet).unwrap(), thin);
+        let mut numbered = with_extra(&[("treeID", 1, 0, [0; 8], 1.0, 0.0)], &[vec![1], vec![1], vec![2]]);
+        // The class of the first: by its place from the end of the file.
+        let class = numbered.len() - 3 * 21 + 15;
+        numbered[class] = 5;
+        assert_eq!(read_las(&numbered, &Quiet).unwrap().trees[0].numbers, [1, 0, 0]);
+    }
+
+    /// [`file`] with a record of variable length of this user, number and data.
+    fn with_record(id: u16, data: &[u8]) -> Vec<u8> {
+        let plain = file(&[([1, 2, 3], 1), ([2, 2, 3], 1)]);
+        let mut bytes = plain[..227].to_vec();
+        bytes.extend([0, 0]);
+        bytes.extend(b"LASF_Projection\0");
+        bytes.extend(id.to_le_bytes());
+        bytes.extend((data.len() as u16).to_le_bytes());
+        bytes.extend([0; 32]);
+        bytes.extend(data);
+        let start = bytes.len() as u32;
+        bytes[96..100].copy_from_slice(&start.to_le_bytes());
+        bytes[100..104].copy_from_slice(&1_u32.to_le_bytes());
+        bytes.extend(&plain[227..]);
+        bytes
+    }
+
+    #[test]
+    fn feet_of_the_coordinate_system_are_told() {
+        let keys: Vec<u8> =
+            [1_u16, 1, 0, 1, 3076, 0, 1, 9003].iter().flat_map(|number| number.to_le_bytes()).collect();
+        let text = br#"PROJCS["Maryland",UNIT["foot",0.3048]]"#;
+        let scale = |bytes: &[u8]| read_las(bytes, &Quiet).unwrap().units.and_then(|units| units.scale());
+        assert_eq!(scale(&with_record(34735, &keys)), Some(1200.0 / 3937.0));
+        assert_eq!(scale(&with_record(2112, text)), Some(0.3048));
+        assert_eq!(scale(&with_record(2112, br#"PROJCS["Lambert",UNIT["metre",1]]"#)), None);
+        assert_eq!(scale(&file(&[([1, 2, 3], 1)])), None);
+    }
+
+    #[test]
     fn damage_is_said() {
         let whole = file(&[([1, 2, 3], 2); 40]);
         for length in [0, 4, 100, 226, 227, 240, whole.len() - 1] {
@@ -378,7 +450,9 @@ mod tests {
             assert!(error.starts_with("reading LAS: "), "{error}");
         }
         let noise = read_las(&file(&[([1, 2, 3], 7)]), &Quiet).unwrap_err().to_string();
-        assert!(noise.contains("none of its 1 records"), "{noise}");
+        assert!(noise.contains("all of its 1 records"), "{noise}");
+        let none = read_las(&file(&[]), &Quiet).unwrap_err().to_string();
+        assert!(none.contains("it holds no points"), "{none}");
         // Any byte may be anything.
         for at in 0..whole.len() {
             for to in [0, 1, 0x7f, 0x80, 0xff] {

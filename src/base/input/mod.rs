@@ -10,6 +10,7 @@
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
 
 mod cloud;
+mod crs;
 mod cylinder_header;
 mod cylinders;
 mod e57;
@@ -19,6 +20,7 @@ mod grid;
 mod inputs;
 mod las;
 mod mat;
+mod mixing;
 mod obj;
 mod pcd;
 mod picture;
@@ -31,7 +33,8 @@ mod xyz;
 
 use glam::DVec3;
 
-pub use cloud::{Cloud, LeafColumn, Thinned, TreeColumn};
+pub use cloud::{Cloud, LeafColumn, Thinned, TreeColumn, UnnumberedColumn};
+pub use crs::MapUnits;
 pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
 pub use e57::read_e57;
 pub use gather::ThinError;

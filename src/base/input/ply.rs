@@ -11,8 +11,11 @@
 
 use glam::DVec3;
 
-use super::cloud::{Columns, LeafColumn, TreeColumn, is_read};
-use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, make_room, quoted};
+use super::cloud::{Columns, Told, is_read};
+use super::{
+    InputError, LeafColumn, READING, READING_ADVICE, ROWS_PER_CHECK, TreeColumn, UnnumberedColumn, fan,
+    in_range, line_at, make_room, quoted,
+};
 use crate::knob::printable;
 use crate::memory::{OverMemory, bytes_grown, bytes_of};
 use crate::monitor::{Cancelled, Monitor};
@@ -27,6 +30,10 @@ pub struct PlyData {
     pub faces: Vec<[u32; 3]>,
     /// Properties of the vertices that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
+    /// As in [`Cloud::classes`](super::Cloud::classes).
+    pub classes: Vec<TreeColumn>,
+    /// As in [`Cloud::unnumbered`](super::Cloud::unnumbered).
+    pub unnumbered: Vec<UnnumberedColumn>,
     /// The property of the vertices that tells wood from leaves.
     pub leaves: Option<LeafColumn>,
 }
@@ -524,7 +531,8 @@ fn read_vertices(
         },
         || positions.push(position.get()),
     )?;
-    (data.trees, data.leaves) = trees.finish();
+    let Told { trees, classes, unnumbered, leaves } = trees.finish(positions, None);
+    (data.trees, data.classes, data.unnumbered, data.leaves) = (trees, classes, unnumbered, leaves);
     Ok(())
 }
 

@@ -83,6 +83,30 @@ impl Layout {
         })
     }
 
+    /// The layout of a table without a header whose first of four columns counts rows.
+    pub fn of_numbered_rows() -> Self {
+        Self { columns: [1, 2, 3], delimiter: None, decimal_comma: false, named: 0, trees: Vec::new() }
+    }
+
+    /// The same with what parts the columns of a row.
+    pub fn parted_as(self, row: &str) -> Self {
+        Self { delimiter: delimiter(row, false), ..self }
+    }
+
+    /// Whether a row has all columns of x, y and z, some of them without a value, and is right otherwise.
+    pub fn lacks_place(&self, row: &str) -> bool {
+        let fields: Vec<&str> = fields(row, self.delimiter).collect();
+        let mut lacks = false;
+        self.columns.iter().all(|&column| {
+            fields.get(column).is_some_and(|field| {
+                let field = field.trim_matches('"').trim();
+                let is_missing = is_missing(field);
+                lacks |= is_missing;
+                is_missing || coordinate(&field.replace(',', ".")).is_ok()
+            })
+        }) && lacks
+    }
+
     /// The point of a row with what it says in the columns of [`Layout::trees`], NaN where that is no number; or what was
     /// expected.
     pub fn point(&self, row: &str) -> Result<(DVec3, Vec<f64>), String> {
@@ -101,6 +125,26 @@ impl Layout {
         };
         Ok((DVec3::from(position), self.trees.iter().map(number).collect()))
     }
+}
+
+/// Whether a row without a header starts with x, y and z, some of them without a value.
+pub(super) fn lacks_place(row: &str) -> bool {
+    let usual = Layout { columns: [0, 1, 2], ..Layout::of_numbered_rows() };
+    usual.parted_as(row).lacks_place(row)
+}
+
+/// The number of a row that stands first of four columns of numbers, if the others have fractions.
+pub(super) fn row_number(row: &str) -> Option<u64> {
+    let parts: Vec<&str> = fields(row, delimiter(row, false)).map(|field| field.trim_matches('"')).collect();
+    let [number, place @ ..] = &parts[..] else { return None };
+    let is_place = place.len() == 3 && place.iter().all(|field| coordinate(field).is_ok());
+    (is_place && place.iter().any(|field| field.contains('.'))).then(|| number.parse().ok()).flatten()
+}
+
+/// Whether a field says that there is no value, as programs write it.
+fn is_missing(field: &str) -> bool {
+    const WORDS: [&str; 9] = ["", "nan", "-nan", "na", "n/a", "null", "none", "nan(ind)", "-nan(ind)"];
+    WORDS.iter().any(|word| field.eq_ignore_ascii_case(word))
 }
 
 /// What a line of words above a table that is no header of x, y and z says of the columns below it.

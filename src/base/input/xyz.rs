@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use glam::DVec3;
 
 use super::gather::Gathering;
-use super::table::{Layout, Titles};
+use super::table::{Layout, Titles, lacks_place, row_number};
 use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
 use crate::monitor::Monitor;
 
@@ -14,11 +14,12 @@ use crate::monitor::Monitor;
 /// there may be a line with the number of rows, and one line of any text (a header, a title). A header or comment that
 /// names `x`, `y` and `z`, or easting, northing and height, says which columns they are, and which tell trees apart
 /// (`treeID`, `tree` …); [`Cloud::unnamed`] are the first three columns of one that names none of them. A comma
-/// between digits is a decimal one where other signs part the columns. After as many rows as were announced another
+/// between digits is a decimal one where other signs part the columns. Rows whose coordinates are empty, NA or NaN are left
+/// out and counted. Without a header, where the first of four columns counts rows, the other three are x, y and z. After as many rows as were announced another
 /// number may announce more (PTS).
 ///
 /// # Errors
-/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite, a header that names two
+/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are infinite, a header that names two
 /// of x, y and z; fewer rows than announced; no rows at all; no memory; cancelled.
 pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     thin_xyz(bytes, None, monitor)
@@ -68,6 +69,18 @@ pub(super) fn stream_xyz(
 /// More bytes than any row of a table has.
 const LONGEST_ROW: u64 = 1 << 20;
 
+/// So many rows must be numbered by their first column to be counted by it, or as many as there are,
+const NUMBERED: usize = 64;
+
+/// which are at least so many.
+const LEAST_NUMBERED: usize = 8;
+
+/// Rows that are numbered one after another so far, with their lines.
+struct Numbered {
+    rows: Vec<(usize, String)>,
+    next: u64,
+}
+
 /// Rows as they come.
 struct Rows<'m> {
     points: Gathering<'m>,
@@ -79,12 +92,24 @@ struct Rows<'m> {
     /// What a header says, and how rows are to be read where that is not usual.
     header: Option<Layout>,
     layout: Option<Layout>,
+    /// Those that are not read before it is known whether their first column counts them.
+    numbered: Option<Numbered>,
+    has_row_numbers: bool,
 }
 
 impl<'m> Rows<'m> {
     fn new(cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
         let points = Gathering::new([], cube, monitor);
-        Self { points, announced: None, title: None, unnamed: None, header: None, layout: None }
+        Self {
+            points,
+            announced: None,
+            title: None,
+            unnamed: None,
+            header: None,
+            layout: None,
+            numbered: Some(Numbered { rows: Vec::new(), next: 0 }),
+            has_row_numbers: false,
+        }
     }
 
     /// Takes a line, numbered from 1.
@@ -100,11 +125,62 @@ impl<'m> Rows<'m> {
         if came == 0 && self.header.is_none() {
             self.header = Layout::of_header(row);
         }
-        if is_comment(row) {
+        if is_comment(row) || self.hold(line, row)? {
             return Ok(());
         }
+        self.read(line, row)
+    }
+
+    /// Whether a row is held back, since its first column may count rows.
+    fn hold(&mut self, line: usize, row: &str) -> Result<bool, InputError> {
+        let Some(numbered) = &mut self.numbered else { return Ok(false) };
+        let is_first = numbered.rows.is_empty();
+        let has_begun = self.points.came() + self.points.placeless() > 0 || self.header.is_some();
+        if let Some(number) = row_number(row)
+            && !has_begun
+            && (is_first || number == numbered.next)
+        {
+            numbered.rows.push((line, row.to_owned()));
+            numbered.next = number.saturating_add(1);
+            if numbered.rows.len() == NUMBERED {
+                self.release()?;
+            }
+            return Ok(true);
+        }
+        if (has_begun || !is_first)
+            && let Some(numbered) = self.numbered.take()
+        {
+            self.read_held(&numbered.rows)?;
+        }
+        Ok(false)
+    }
+
+    /// Reads what was held back as rows that are counted by their first column, if these are enough.
+    fn release(&mut self) -> Result<(), InputError> {
+        let Some(Numbered { rows, .. }) = self.numbered.take() else { return Ok(()) };
+        let titled = match (rows.first(), &self.title) {
+            (Some((_, row)), Some((_, title))) => Titles::of(title, row).is_some(),
+            _ => false,
+        };
+        self.has_row_numbers = rows.len() >= LEAST_NUMBERED && !titled;
+        if let Some((_, row)) = rows.first().filter(|_| self.has_row_numbers) {
+            self.header = Some(Layout::of_numbered_rows().parted_as(row));
+        }
+        self.read_held(&rows)
+    }
+
+    fn read_held(&mut self, rows: &[(usize, String)]) -> Result<(), InputError> {
+        rows.iter().try_for_each(|(line, row)| self.read(*line, row))
+    }
+
+    /// Reads a row that is no comment.
+    fn read(&mut self, line: usize, row: &str) -> Result<(), InputError> {
+        let came = self.points.came() + self.points.placeless();
         if came == 0 {
-            let of_header = self.header.as_ref().and_then(|header| header.with_row(row));
+            let of_header = match &self.header {
+                Some(header) if self.has_row_numbers => Some(header.clone()),
+                header => header.as_ref().and_then(|header| header.with_row(row)),
+            };
             let layout = of_header.or_else(|| Layout::of_decimal_commas(row));
             self.layout = layout.filter(|layout| !layout.is_usual());
             self.points.set_columns(self.layout.iter().flat_map(Layout::trees));
@@ -113,6 +189,9 @@ impl<'m> Rows<'m> {
         let usual = || Ok((position(row)?, Vec::new()));
         match self.layout.as_ref().map_or_else(usual, |layout| layout.point(row)) {
             Ok((point, of_trees)) => self.points.push(point, |column| of_trees[column])?,
+            Err(_) if self.layout.as_ref().map_or_else(|| lacks_place(row), |it| it.lacks_place(row)) => {
+                self.points.pass_over();
+            }
             Err(_)
                 if came == 0
                     && self.announced.is_none()
@@ -142,16 +221,27 @@ impl<'m> Rows<'m> {
         }
     }
 
-    fn finish(self) -> Result<Cloud, InputError> {
-        let found = self.points.came();
+    fn finish(mut self) -> Result<Cloud, InputError> {
+        self.release()?;
+        let placeless = self.points.placeless();
+        let found = self.points.came() + placeless;
         if found == 0 {
             return Err(whole("it holds no points; expected rows of three numbers x y z".to_owned()));
+        }
+        if found == placeless {
+            return Err(whole(format!(
+                "none of its {placeless} rows has three coordinates: some are empty, NA or NaN in each"
+            )));
         }
         match self.announced {
             Some(rows) if found < rows => Err(whole(format!(
                 "its first line announces {rows} points, {found} follow: it may be cut off"
             ))),
-            _ => Ok(Cloud { unnamed: self.unnamed, ..self.points.finish() }),
+            _ => Ok(Cloud {
+                unnamed: self.unnamed,
+                has_row_numbers: self.has_row_numbers,
+                ..self.points.finish()
+            }),
         }
     }
 }
@@ -168,7 +258,9 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
     let mut position = [0.0; 3];
     let mut at = 0;
     for (i, x) in position.iter_mut().enumerate() {
+        let mut signs = 0;
         while at < bytes.len() && separator(bytes[at]) {
+            signs += usize::from(!bytes[at].is_ascii_whitespace());
             at += 1;
         }
         let start = at;
@@ -178,8 +270,13 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
         if start == at {
             return Err(format!("3 numbers or more, there are {i}"));
         }
+        // One sign parts two columns: between two there is nothing.
+        if signs > usize::from(i > 0) {
+            return Err(format!("a number in column {}", i + 1));
+        }
         // Separators are ASCII, so the ends lie between characters.
-        *x = coordinate(&row[start..at]).map_err(|expected| format!("{expected} in column {}", i + 1))?;
+        *x = coordinate(row[start..at].trim_matches('"'))
+            .map_err(|expected| format!("{expected} in column {}", i + 1))?;
     }
     Ok(DVec3::from(position))
 }
@@ -263,17 +360,82 @@ mod tests {
     }
 
     #[test]
+    fn rows_without_a_place_are_left_out_and_counted() {
+        for (text, rows) in [
+            ("1 2 3\n\n# c\n1 nan 3\nNA 1 2\n4 5 6\n", 2),
+            ("nan nan nan\n1 2 3\n4 5 6\n", 1),
+            ("x,y,z,treeID\n1,2,3,1\n,,,2\n1,,3,1\nNaN,1,1,3\n4,5,6,1\n", 3),
+            ("1,2,3,9\n1,,3,9\n4,5,6,9\n7,8,\n", 2),
+            ("x;y;z\n1,0;2,0;3,0\n1,5;;2,0\n4,0;5,0;6,0\n", 1),
+            ("\"x\",\"y\",\"z\"\n\"1\",\"2\",\"3\"\n\"1\",\"NA\",\"3\"\n\"4\",\"5\",\"6\"\n", 1),
+        ] {
+            let cloud = read_xyz(text.as_bytes(), &Quiet).unwrap();
+            assert_eq!(cloud.positions, [DVec3::new(1.0, 2.0, 3.0), DVec3::new(4.0, 5.0, 6.0)], "{text}");
+            assert_eq!(cloud.placeless_rows, rows, "{text}");
+            assert_eq!(cloud.thin(0.5, &Quiet).unwrap().placeless_rows, rows, "{text}");
+        }
+        // As many rows as are announced.
+        assert!(read_xyz(b"3\n1 2 3\n4 nan 6\n7 8 9\n", &Quiet).is_ok());
+        let said = read_xyz(b"x,y,z\n1,,2\nNA,NA,NA\n", &Quiet).unwrap_err().to_string();
+        assert!(said.contains("none of its 2 rows has three coordinates"), "{said}");
+    }
+
+    #[test]
+    fn quoted_numbers_are_numbers() {
+        let quoted = b"\"448123.2684\" \"5428000.5\" \"3\"\n\"1\" \"2\" \"3\"\n";
+        assert_eq!(
+            read_xyz(quoted, &Quiet).unwrap().positions[0],
+            DVec3::new(448_123.268_4, 5_428_000.5, 3.0)
+        );
+        assert_eq!(read("\"1\",\"2.5\",\"3\"\n").as_deref(), Ok(&[DVec3::new(1.0, 2.5, 3.0)][..]));
+    }
+
+    #[test]
+    fn a_first_column_that_counts_rows_is_no_coordinate() {
+        let table = |count: usize, row: &dyn Fn(usize) -> String| -> String { (0..count).map(row).collect() };
+        let place = |i: usize| DVec3::new(0.5 * i as f64, 0.25, 3.0);
+        for (from, sign, count) in [(0, " ", 8), (1, ",", 64), (17, ";", 200), (1, "\t", 65)] {
+            let row = |i: usize| {
+                let p = place(i);
+                [(from + i).to_string(), p.x.to_string(), p.y.to_string(), p.z.to_string()].join(sign) + "\n"
+            };
+            let cloud = read_xyz(table(count, &row).as_bytes(), &Quiet).unwrap();
+            assert!(cloud.has_row_numbers, "{from}");
+            assert_eq!(cloud.positions, (0..count).map(place).collect::<Vec<_>>(), "{from}");
+            let thin = thin_xyz(table(count, &row).as_bytes(), Some(0.1), &Quiet).unwrap();
+            assert_eq!(cloud.thin(0.1, &Quiet).unwrap(), thin);
+        }
+        // Too few, of a gap, of three or five columns, of whole numbers alone (a lattice), below a header.
+        let usual: [(usize, &dyn Fn(usize) -> String); 6] = [
+            (7, &|i| format!("{i} 0.5 1 2\n")),
+            (30, &|i| format!("{} 0.5 1 2\n", if i == 20 { 99 } else { i })),
+            (30, &|i| format!("{i} 0.5 1\n")),
+            (30, &|i| format!("{i} 0.5 1 2 3\n")),
+            (30, &|i| format!("{i} 1 2 3\n")),
+            (30, &|i| if i == 0 { "x y z i\n".to_owned() } else { format!("{i} 0.5 1 2\n") }),
+        ];
+        for (count, row) in usual {
+            let text = table(count, row);
+            let cloud = read_xyz(text.as_bytes(), &Quiet).unwrap();
+            assert!(!cloud.has_row_numbers && cloud.positions[1].x >= 1.0, "{text}");
+        }
+        // Errors keep their lines.
+        let wrong = table(10, &|i| format!("{i} 0.5 1 2\n")) + "10 a 1 2\n";
+        assert!(matches!(read(&wrong), Err(InputError::Line { line: 11, .. })));
+    }
+
+    #[test]
     fn errors_carry_the_line_and_what_was_expected() {
         for (text, line, expected) in [
             ("1 2 3\n1 2\n", 2, "3 numbers or more, there are 2"),
-            ("1 2 3\n\n# c\n1 nan 3\n", 4, "a finite number in column 2"),
             ("1 2 inf\n", 1, "a finite number in column 3"),
-            ("nan nan nan\n1 2 3\n", 1, "a finite number in column 1"),
+            ("1 2 3\n1 nan inf\n", 2, "a finite number in column 2"),
             ("1 2 3\n1 2 1e999\n", 2, "a finite number in column 3"),
             ("1 2 3\nC 1 2 3\n", 2, "a number in column 1"),
             ("a b c\nd e f\n1 2 3\n", 2, "a number in column 1"),
             ("1 2 3\n2e10 0 0\n", 2, "a coordinate within ±1e9 in column 1"),
-            ("id,x,y,z\n1,2,3,4\n1,2,,4\n", 3, "a number in column 3"),
+            ("id,x,y,z\n1,2,3,4\n1,2,-,4\n", 3, "a number in column 3"),
+            ("id,x,y,z\n1,2,3,4\n1,2\n", 3, "a number in column 3"),
             ("1,5;2,25;3,0\n1,5;2.5.5;3\n", 2, "a number in column 2"),
             (
                 "# of a plot\nid,X,Y\n1,2,3\n",

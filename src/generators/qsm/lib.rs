@@ -12,7 +12,7 @@ mod nodes;
 use glam::DVec3;
 use linden_base::document::{Fault, Table};
 use linden_base::field;
-use linden_base::input::{CylinderTable, Geometry, Inputs, Up, unit_name};
+use linden_base::input::{CylinderRow, CylinderTable, Geometry, Inputs, Up, unit_name};
 use linden_base::knob::{Field, Kind, Knob, Value, integer, printable, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
@@ -242,6 +242,7 @@ impl Settings for QsmSettings {
             ));
         }
         notes.extend(builder.note());
+        notes.extend(thin_note(chosen));
         let trees = if chosen.len() > 1 { builder.trees().to_vec() } else { Vec::new() };
         Ok(Branched {
             branching: builder.finish(),
@@ -252,6 +253,18 @@ impl Settings for QsmSettings {
             ..Branched::default()
         })
     }
+}
+
+/// What is said of cylinders whose radius is 0: wood has one, and is made as thin as any may be.
+fn thin_note(trees: &[Vec<CylinderRow>]) -> Option<String> {
+    let count = trees.iter().flatten().filter(|row| row.radius_m == 0.0).count();
+    let (cylinders, have) = if count == 1 { ("cylinder", "has") } else { ("cylinders", "have") };
+    (count > 0).then(|| {
+        format!(
+            "{count} {cylinders} of the table {have} a radius of 0 and were made a thousandth as thick as the thickest; give them \
+             the radius that they have"
+        )
+    })
 }
 
 /// What is said of a table that was taken to be in another unit.

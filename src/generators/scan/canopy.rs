@@ -10,6 +10,7 @@ use linden_growth::site::crown_base_m;
 use linden_growth::{Stand, Stop};
 use linden_skeleton::Wood;
 
+use crate::foot::ground_height;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::settings::ScanSettings;
 use crate::{ScanGrowthError, girth, share_near, shows_stem};
@@ -90,6 +91,12 @@ pub(crate) fn drop_ground(points: &mut Vec<DVec3>) -> Option<f64> {
     }
     points.retain(|p| p.y > heights[last]);
     Some(heights[last / 2])
+}
+
+/// The height of the ground below the middle of a canopy, by points on it.
+pub(crate) fn ground_below(points: &[DVec3], ground: &[DVec3]) -> Option<f64> {
+    let middle = points.iter().copied().sum::<DVec3>() / points.len().max(1) as f64;
+    ground_height(ground, middle)
 }
 
 /// Where a tree stands whose crown are these points (Y up, each minus `origin`): on the ground below their

@@ -118,7 +118,8 @@ pub(crate) fn tell_apart(positions: &[DVec3], cell: f64, scale: f64) -> Result<T
     let highest_m = positions.iter().map(|p| p.z * scale).fold(0.0, f64::max);
     if highest_m > HIGHEST_M {
         return Err(format!(
-            "it has heights of {highest_m:.0} m, as of a surface above the sea; a model of the canopy has heights above ground"
+            "it has heights of {highest_m:.0} m, as of a surface above the sea, or of a canopy in centimetres or feet; a model of \
+             the canopy has heights above ground in metres (gdal_calc.py --calc \"A/100.0\" makes them of centimetres)"
         ));
     }
     let grid = Grid::new(positions, cell);

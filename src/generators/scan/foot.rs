@@ -73,11 +73,33 @@ impl Foot {
         Self { root, radius_m, ground_m, floor_m, height_m }
     }
 
+    /// The same foot on the ground that points show around it, where they do.
+    pub fn on_ground(self, ground: &[DVec3]) -> Self {
+        let Some(height) = ground_height(ground, self.root) else { return self };
+        let by = height - self.root.y;
+        let root = self.root.with_y(height);
+        Self { root, floor_m: self.floor_m + by, height_m: self.height_m - by, ..self }
+    }
+
     /// Whether a point belongs to the ground or below it rather than to the tree.
     pub fn is_ground(&self, p: DVec3) -> bool {
         let away = DVec3::new(p.x - self.root.x, 0.0, p.z - self.root.z).length() > self.radius_m;
         p.y < self.floor_m || (away && p.y < self.root.y + self.ground_m)
     }
+}
+
+/// Points of the ground whose median is its height at a place.
+const GROUND_POINTS: usize = 9;
+
+/// The height of the ground at a place, by the points on it (Y up) that are nearest to its plumb line.
+pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
+    let away = |p: &DVec3| (p.x - at.x) * (p.x - at.x) + (p.z - at.z) * (p.z - at.z);
+    let mut near: Vec<(f64, f64)> = ground.iter().map(|p| (away(p), p.y)).collect();
+    let count = near.len().min(GROUND_POINTS);
+    if count < near.len() {
+        near.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    }
+    median(near[..count].iter().map(|(_, height)| *height))
 }
 
 /// How much wood stands in each cell of each of the lower layers.

@@ -4,7 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use glam::{DVec3, Vec3};
 use linden_base::document::{Fault, Table};
-use linden_base::input::{Cloud, Geometry, Inputs, Thinned, Up};
+use linden_base::input::{Cloud, Geometry, Inputs, MapUnits, Thinned, Up};
 use linden_base::knob::{Knob, Value, excerpt};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Quiet};
@@ -20,7 +20,7 @@ use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
 use crate::canopy::Verdict;
 use crate::fit::gaps_of_placed;
 use crate::girth::{MEASURING_BYTES_PER_POINT, Placed};
-use crate::points::{As, Prepared, at_points};
+use crate::points::{As, Given, Prepared, at_points};
 use crate::publications::{DU, TAO, VERROUST_LAZARUS, VICARI, XU_GOSSETT_CHEN, ZHANG};
 use crate::sample::ScanPart;
 use crate::{Girth, LeafPoints, ScanGrowthError, ScanSettings, Segmentation, crowns, girth, trees};
@@ -66,7 +66,7 @@ impl Generator for Scans {
             },
             TableKey {
                 name: INSTANCE,
-                help: "the file's column that tells trees apart, for the knob 'tree'; without, the likeliest by its name",
+                help: "the file's column that tells trees apart, for the knob 'tree'; without, the likeliest by its name; none: all points are one tree",
                 content: KeyContent::Text,
             },
         ]
@@ -96,6 +96,11 @@ impl Generator for Scans {
 }
 
 impl ScanSettings {
+    /// Metres for a unit of the points, where the settings or the file say it.
+    pub(crate) fn scale_of(&self, cloud: &Cloud) -> Option<f64> {
+        self.scale.or_else(|| cloud.units.and_then(|units| units.scale()))
+    }
+
     /// The points, thinned as the settings say, and the axis that usually points up in such files.
     pub(crate) fn cloud(
         &self,
@@ -194,13 +199,15 @@ impl Settings for ScanSettings {
             found => found?,
         };
         let columns = trees::columns(self, &cloud, up, monitor)?;
-        let column = trees::column(self, columns.all())?;
+        let column = trees::column(self, &cloud, &columns)?;
         let trees = column.map(|column| {
             let told_by = format!("'{}'", excerpt(&column.name));
             InputTrees { knob: "tree", told_by, made_of: "points", numbers: column.counts() }
         });
-        // Who asks for stems to be looked for means those that are found, if it is one.
-        let is_asked = self.segmentation == Segmentation::Paths;
+        // Who asks for stems to be looked for means those that are found, if it is one; and one number beside points of no
+        // tree picks a tree out of a plot.
+        let picks_one = cloud.cell.is_none() && column.is_some_and(|column| column.unnumbered_points() > 0);
+        let is_asked = self.segmentation == Segmentation::Paths || picks_one;
         Ok(trees.filter(|trees| is_asked || trees.numbers.len() > 1))
     }
 
@@ -285,13 +292,19 @@ fn planted(
     monitor: &dyn Monitor,
 ) -> Result<Planted, ScanGrowthError> {
     let (cloud, up) = settings.cloud(task.inputs, monitor)?;
-    let trees::Chosen { points, is_leaf, note: of_trees } = trees::chosen(settings, &cloud, up, monitor)?;
-    let first_notes =
-        || thinning_note(settings, &cloud).into_iter().chain(columns_note(&cloud)).chain(of_trees.clone());
+    let trees::Chosen { points, is_leaf, ground, notes: of_trees } =
+        trees::chosen(settings, &cloud, up, monitor)?;
+    let first_notes = || {
+        let of_file =
+            thinning_note(settings, &cloud).into_iter().chain(file_notes(settings, &cloud, &points));
+        of_file.chain(of_trees.clone()).collect::<Vec<String>>()
+    };
+    let scale = settings.scale_of(&cloud);
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
+        let given = Given { points, is_leaf, ground: &ground, up, scale };
         let Prepared { site, bark, leaf_points, axes } =
-            at_points(settings, (points, is_leaf), up, task.key(), what, monitor)?;
+            at_points(settings, &given, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
         stand.notes.splice(0..0, first_notes());
         let place = |p: &DVec3| (*p + stand.shift).as_vec3();
@@ -300,7 +313,7 @@ fn planted(
         Ok(Planted { stand, bark, leaf_points, foot, is_canopy: what != As::Settings })
     };
     if let Some(cell) = cloud.cell {
-        let scale = settings.scale.unwrap_or(1.0);
+        let scale = scale.unwrap_or(1.0);
         let top = points.iter().map(|p| p.z).fold(0.0, f64::max);
         let base = settings.growth.trunk_m.map_or(crowns::BASE_PER_TOP * top, |trunk_m| trunk_m / scale);
         let mut planted = grow(&crowns::filled(&points, cell, base), As::Grid)?;
@@ -335,12 +348,64 @@ fn thinning_note(settings: &ScanSettings, cloud: &Cloud) -> Option<String> {
     Some(format!("thin={thin}: {kept} of {of} points were kept, the first in each cube"))
 }
 
-/// What is said of columns that were taken for coordinates though their header does not say so.
-fn columns_note(cloud: &Cloud) -> Option<String> {
-    let [x, y, z] = cloud.unnamed.as_ref()?;
-    Some(format!(
-        "the header names no x, y and z: the first three columns, '{x}', '{y}' and '{z}', were taken for them"
-    ))
+/// What is said of how a file was read: columns, rows, units and digits.
+fn file_notes(settings: &ScanSettings, cloud: &Cloud, points: &[DVec3]) -> Vec<String> {
+    let mut notes = Vec::new();
+    if let Some([x, y, z]) = &cloud.unnamed {
+        notes.push(format!(
+            "the header names no x, y and z: the first three columns, '{x}', '{y}' and '{z}', were taken for them"
+        ));
+    }
+    if cloud.has_row_numbers {
+        notes.push(
+            "the first of four columns counts rows: the other three were taken for x, y and z; a header like \
+             'x y z intensity' says otherwise"
+                .to_owned(),
+        );
+    }
+    match cloud.placeless_rows {
+        0 => {}
+        1 => notes.push("1 row without a coordinate (empty, NA or NaN) was left out".to_owned()),
+        rows => notes.push(format!("{rows} rows without a coordinate (empty, NA or NaN) were left out")),
+    }
+    notes.extend(units_note(settings, cloud));
+    notes.extend(steps_note(points).filter(|_| cloud.cell.is_none()));
+    notes
+}
+
+/// What is said of a map that is not in metres.
+fn units_note(settings: &ScanSettings, cloud: &Cloud) -> Option<String> {
+    let units = cloud.units.filter(|_| settings.scale.is_none())?;
+    let [places, heights] = [units.places_m, units.heights_m].map(MapUnits::name);
+    Some(match units.scale() {
+        Some(scale) => format!(
+            "the file's coordinate system is in {places}: coordinates were taken for these, heights too (scale={scale}); \
+             scale=1 takes them for metres"
+        ),
+        None => format!(
+            "the file's coordinate system has places in {places} and heights in {heights}, which no scale makes metres of: \
+             nothing was converted; reproject it to metres first (pdal translate … filters.reprojection, gdalwarp)"
+        ),
+    })
+}
+
+/// Steps of single precision are coarse where a cloud has fewer of them along its longest side.
+const FEW_STEPS: f64 = 20_000.0;
+
+/// What is said of coordinates so far from 0 that single precision, in which all of them are, is coarse there.
+fn steps_note(points: &[DVec3]) -> Option<String> {
+    let is_single = |p: &DVec3| p.to_array().iter().all(|&x| f64::from(x as f32) == x);
+    let low = points.iter().copied().reduce(DVec3::min)?;
+    let high = points.iter().copied().reduce(DVec3::max)?;
+    let farthest = low.abs().max_element().max(high.abs().max_element());
+    let step = f64::from((farthest as f32).next_up() - farthest as f32);
+    let is_coarse = (high - low).max_element() < FEW_STEPS * step && high != low;
+    (is_coarse && points.iter().all(is_single)).then(|| {
+        format!(
+            "all coordinates are numbers of single precision, which {farthest:.0} from 0 lie {step} apart: the points stand on a \
+             grid; export them with double precision, or moved near 0 (a global shift)"
+        )
+    })
 }
 
 /// Points on the bark of the tree, where it stands.

@@ -91,7 +91,7 @@ pub use error::ScanGrowthError;
 pub use fit::gaps;
 pub use fit::share_near;
 pub use frame::shows_stem;
-pub use frame::{likely_scale, unusual_up};
+pub use frame::{UpGuess, guess_up, likely_scale};
 pub use generator::GENERATOR;
 pub use girth::{Girth, girth};
 pub use settings::{LeafPoints, ScanRadius, ScanSettings, Segmentation};
@@ -145,11 +145,9 @@ pub struct ScanReport {
 #[non_exhaustive]
 pub enum ScanError {
     /// Too few points to see a tree in.
-    #[error(
-        "the scan has only {distinct} points that are clear of each other; at least {LEAST_POINTS} are needed to see a tree in it"
-    )]
+    #[error("the scan has only {}; at least {LEAST_POINTS} are needed to see a tree in it", few(*.distinct))]
     TooFew {
-        /// Points at different places.
+        /// Points at different places, and that are clear of each other if these are enough.
         distinct: usize,
     },
     /// No position.
@@ -168,6 +166,13 @@ pub enum ScanError {
 
 /// Fewer show no stem.
 const LEAST_POINTS: usize = 8;
+
+fn few(points: usize) -> String {
+    match points {
+        1 => "1 point".to_owned(),
+        points => format!("{points} points that are clear of each other"),
+    }
+}
 
 /// Points whose nearest neighbour is looked for, for the median.
 const SPACING_SAMPLE: usize = 25_000;
@@ -236,18 +241,20 @@ pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Resu
     }
     let Distinct { mut points, repeated, no_returns } = distinct(points, true, monitor)?;
     let far_points = drop_far(&mut points, monitor)?;
-    let mut scan = prepare_distinct(&points, None, rule, monitor)?;
+    let mut scan = prepare_distinct(&points, None, &[], rule, monitor)?;
     scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
     Ok(scan)
 }
 
 /// The same of finite points that are all at different places, and of which it may be known whether each lies on a leaf.
+/// `ground` are points of the ground that are known as such and not among them: the tree stands on it.
 ///
 /// # Errors
 /// [`ScanError`].
 pub fn prepare_distinct(
     points: &[DVec3],
     is_leaf: Option<&[bool]>,
+    ground: &[DVec3],
     rule: &ScanRule,
     monitor: &dyn Monitor,
 ) -> Result<Scan, ScanError> {
@@ -256,6 +263,7 @@ pub fn prepare_distinct(
     let spacing_m = spacing_m(points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
     monitor.check()?;
     let feet = stems::feet(points, rule.stems, monitor)?;
+    let feet: Vec<Foot> = feet.into_iter().map(|foot| foot.on_ground(ground)).collect();
     let foot = &feet[0];
     let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
     let ground_points = points.len() - bark.len();
@@ -272,7 +280,8 @@ pub fn prepare_distinct(
     let (nearest, noise_points) =
         without_noise(&mut cubes, &mut bark, is_leaf.as_mut(), (rule.noise_filter, detail_m), monitor)?;
     if cubes.means.len() < LEAST_POINTS {
-        return Err(ScanError::TooFew { distinct: cubes.means.len() });
+        let clear = if points.len() < LEAST_POINTS { points.len() } else { cubes.means.len() };
+        return Err(ScanError::TooFew { distinct: clear });
     }
     let thinned = cubes.means.clone();
     // Which points are in which cube takes memory, and is for leaves alone.

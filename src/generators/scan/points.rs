@@ -11,7 +11,7 @@ use linden_growth::GrowthError;
 use linden_growth::site::{Grove, Site, Stem, Suggested, jitter};
 
 use crate::settings::ScanSettings;
-use crate::{Distinct, Scan, ScanGrowthError, ScanReport, ScanRule, canopy};
+use crate::{Distinct, Scan, ScanGrowthError, ScanReport, ScanRule, UpGuess, canopy};
 
 /// What given points are taken for.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -22,6 +22,19 @@ pub(crate) enum As {
     Canopy,
     /// What fills a crown of a grid of heights above ground, metres by `scale`, Z up.
     Grid,
+}
+
+/// What a file has.
+pub(crate) struct Given<'a> {
+    pub points: &'a [DVec3],
+    /// Whether each lies on a leaf, where the file says so.
+    pub is_leaf: Option<&'a [bool]>,
+    /// Points of the ground near them, where the file says which are.
+    pub ground: &'a [DVec3],
+    /// The axis that points up in such files.
+    pub up: Up,
+    /// Metres for a unit, where that is known.
+    pub scale: Option<f64>,
 }
 
 /// Points that are ready to be grown into.
@@ -51,11 +64,9 @@ impl FileAxes {
 }
 
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
-/// `usual` is the axis that points up in such files.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    (points, is_leaf): (&[DVec3], Option<&[bool]>),
-    usual: Up,
+    &Given { points, is_leaf, ground, up: usual, scale }: &Given<'_>,
     key: Key,
     what: As,
     monitor: &dyn Monitor,
@@ -68,22 +79,22 @@ pub(crate) fn at_points(
     notes.extend(row_notes(repeated, no_returns));
     // A scanner's file: what it says of itself is not sure.
     let is_scan = settings.contract && what != As::Grid;
-    let guessed = if is_scan { crate::unusual_up(&points, usual) } else { None };
-    let given = settings.growth.given_up().filter(|_| what != As::Grid);
-    let up = given.unwrap_or_else(|| {
-        if let Some(up) = guessed {
-            notes.push(up_note(up));
-        }
-        guessed.unwrap_or(usual)
-    });
+    let (up, said) = match settings.growth.given_up().filter(|_| what != As::Grid) {
+        Some(up) => (up, None),
+        None if is_scan => guessed_up(&points, usual),
+        None => (usual, None),
+    };
+    notes.extend(said);
+    let mut ground = ground.to_vec();
     up.to_y_up(&mut points);
-    let scale = settings.scale.unwrap_or_else(|| {
+    up.to_y_up(&mut ground);
+    let scale = scale.unwrap_or_else(|| {
         let scale = if is_scan { crate::likely_scale(&points) } else { 1.0 };
         notes.extend(scale_note(scale));
         scale
     });
     if scale != 1.0 {
-        for p in &mut points {
+        for p in points.iter_mut().chain(&mut ground) {
             *p *= scale;
         }
     }
@@ -94,6 +105,7 @@ pub(crate) fn at_points(
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
     recenter(&mut points, origin);
+    recenter(&mut ground, origin);
     let given_root = settings.growth.given_root(up).map(|root| root - origin);
     if settings.contract && what == As::Settings {
         let rule = ScanRule {
@@ -107,7 +119,7 @@ pub(crate) fn at_points(
                 settings.stems.map(|n| libm::round(n) as usize)
             },
         };
-        let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &rule, monitor)?;
+        let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &ground, &rule, monitor)?;
         scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
         notes.extend(scan_notes(&scan, &rule));
         let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
@@ -134,11 +146,8 @@ pub(crate) fn at_points(
     let mut ground_m = None;
     if what == As::Canopy {
         let before = points.len();
-        ground_m = canopy::drop_ground(&mut points);
-        let ground = before - points.len();
-        if ground > 0 {
-            notes.push(format!("{ground} points were taken for ground and left out"));
-        }
+        ground_m = canopy::drop_ground(&mut points).or_else(|| canopy::ground_below(&points, &ground));
+        notes.extend(ground_note(before - points.len()));
     }
     let spacing_m = crate::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
     let root = match (given_root, what) {
@@ -208,11 +217,40 @@ fn far_note(far_points: usize) -> Option<String> {
     (far_points > 0).then(|| format!("{far_points} single point{s} far from all others {were} left out"))
 }
 
+fn ground_note(points: usize) -> Option<String> {
+    (points > 0).then(|| format!("{points} points were taken for ground and left out"))
+}
+
+/// The axis that is up, and what is said of it.
+fn guessed_up(points: &[DVec3], usual: Up) -> (Up, Option<String>) {
+    match crate::guess_up(points, usual) {
+        UpGuess::Usual => (usual, None),
+        UpGuess::Other(up) => (up, Some(up_note(up))),
+        UpGuess::Undecided => (usual, Some(doubt_note(usual))),
+    }
+}
+
 fn up_note(up: Up) -> String {
-    let (axis, other) = if up == Up::Y { ("y", "z") } else { ("z", "y") };
+    let [axis, other] = axes_of(up);
     format!(
-        "the stem stands along {axis}, which was taken for up though {other} is usual in such files; up={other} forces that"
+        "the tree stands along {axis}, which was taken for up though {other} is usual in such files; up={other} forces that"
     )
+}
+
+fn doubt_note(usual: Up) -> String {
+    let [axis, other] = axes_of(usual);
+    format!(
+        "the points do not show whether {axis} or {other} is up; {axis} was taken, as is usual in such files: up={other} if the tree lies, \
+         up={axis} if it stands"
+    )
+}
+
+/// The name of an axis that may be up, and of the other one.
+const fn axes_of(up: Up) -> [&'static str; 2] {
+    match up {
+        Up::Y => ["y", "z"],
+        Up::Z => ["z", "y"],
+    }
 }
 
 fn scale_note(scale: f64) -> Option<String> {
@@ -234,9 +272,7 @@ fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
         }
         _ => {}
     }
-    if report.ground_points > 0 {
-        notes.push(format!("{} points were taken for ground and left out", report.ground_points));
-    }
+    notes.extend(ground_note(report.ground_points));
     if report.noise_points > 0 {
         let points = match report.noise_points {
             1 => "1 point with hardly any others near it was".to_owned(),

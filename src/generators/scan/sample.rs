@@ -58,13 +58,14 @@ impl ScanPart {
             smaller.segmentation = Segmentation::Column;
             smaller.thin = 0.0;
         }
+        smaller.scale = read.as_ref().map_or(settings.scale, |(cloud, _)| settings.scale_of(cloud));
         smaller.growth.max_nodes = settings.growth.max_nodes.min(size.nodes);
         let (mut coarser, mut longer, mut whole_nodes) = (1.0, 1.0, None);
         let mut inputs = Inputs::new();
         if let Some(input) = input.filter(|_| share < 1.0) {
             let part = spread(given, most);
             if settings.contract {
-                if let Some(steps) = Steps::of(settings, given, &part, monitor) {
+                if let Some(steps) = Steps::of(&smaller, given, &part, monitor) {
                     smaller.growth.step_m = Some(steps.seen_m);
                     longer = steps.seen_m / steps.whole_m;
                     whole_nodes = Some(nodes_along(given, steps.whole_m / steps.scale));

@@ -90,7 +90,8 @@ impl ScanSettings {
                 "Programs that segment scans of forests number the trees in a column of their own: extra bytes of LAS and \
                  LAZ, a property of PLY, a field of PCD, a column of a table with a header. It is told by its name, like \
                  PredInstance, treeID, tree, instance or label; where there are several, instance = \"NAME\" in the \
-                 preset's [scan] picks one. 0 and less is no tree. linden show lists the numbers, and linden export \
+                 preset's [scan] picks one, and instance = \"none\" none. 0 and less is no tree: where one tree is numbered, such points \
+                 are left out. linden show lists the numbers, and linden export \
                  PLOT -o FOLDER/ grows each tree."
             ),
             see_also(&["segmentation", "stems", "contract"])

@@ -213,7 +213,7 @@ numbers! {
         ("Chernov 2010, Circular and Linear Regression") = |f| f.breast_fit.map(|fit| 2.0 * f64::from(fit.se_m));
     dbh_arc_deg: Option<f64>, Stem "seen of its turn" ["°"] Wood
         "how much of the turn the points of that circle cover; null where there is none"
-        ("") = |f| f.breast_fit.map(|fit| f64::from(fit.arc_rad).to_degrees());
+        ("") = |f| f.breast_fit.map(|fit| fit.arc_deg());
     dbh_source: Option<String>, Stem "is" [""] Wood
         "where dbh_m of a scan is from: measured on points, carried on between nodes that were, or guessed by the wood that the stem bears; null for what is no scan"
         ("") = |f| f.breast_source.map(|source| source.word().to_owned());
