@@ -278,7 +278,7 @@ fn ground_of_the_file_is_left_out_and_bears_the_foot() {
     let seen: Vec<(DVec3, u8)> = points.iter().copied().filter(|(_, class)| *class == 5).collect();
     let height = |points: &[(DVec3, u8)]| {
         let grown = read_and_grown(&las(points, None), &[]).unwrap();
-        let foot = grown.colonized.as_ref().unwrap().foot.unwrap();
+        let foot = grown.foot.unwrap();
         (grown.skeleton.measures().height_m, foot.z, grown)
     };
     let (tall, foot, grown) = height(&points);

@@ -81,7 +81,8 @@ pub(crate) fn at_points(
     let is_scan = settings.contract && what != As::Grid;
     let (up, said) = match settings.growth.given_up().filter(|_| what != As::Grid) {
         Some(up) => (up, None),
-        None if is_scan => guessed_up(&points, usual),
+        // Who tells ground apart knows what is up.
+        None if is_scan && ground.is_empty() => guessed_up(&points, usual),
         None => (usual, None),
     };
     notes.extend(said);
