@@ -325,7 +325,7 @@ fn leaves_of_another_form_than_twigs_are_fewer_and_it_is_said() {
     folder.write(
         "twigs.toml",
         "id = \"twigs\"\nname = \"T\"\ngroup = \"mine\"\nsummary = \"s\"\nsource = \"s\"\n\n[lsystem]\n\
-         axiom = \"F\"\n\n[foliage]\nleaf_form = \"twig\"\ntwig_leaves = 11\nleaves_per_m = 4\n",
+         axiom = \"F\"\nrules = [\"F -> F[+F]F\"]\nderivations = 2\nangle = 25\n\n[foliage]\nleaf_form = \"twig\"\ntwig_leaves = 11\nleaves_per_m = 4\n",
     );
     let said = |settings: &[&str]| {
         let args: Vec<&str> = settings.iter().flat_map(|set| ["--set", set]).collect();

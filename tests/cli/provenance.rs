@@ -294,12 +294,15 @@ fn a_citation_names_what_is_not_as_in_the_preset() {
 #[test]
 fn a_citation_of_a_scanned_tree_names_its_knobs_without_the_scan() {
     let folder = Folder::new();
-    folder.run(&["scan", "older-a", "-o", "plot.laz", "--spacing", "0.05", "--mkdir"]).done();
+    let scan =
+        ["scan", "simple", "--set=points=60", "--step=0.4", "--positions=3", "--beam=0", "-o", "plot.laz"];
+    assert_eq!(folder.run(&scan).code, Some(0));
     let knobs = ["--set", "thin=0.1", "--edit", "cut stem 0.4"];
     let export = [&["export", "plot.laz", "--set", "leaf_form=none", "-o", "tree.obj"], &knobs[..]].concat();
     assert_eq!(folder.run(&export).code, Some(0));
-    let cite = |file: &str| folder.run(&["cite", file, "--format", "json"]).done().json();
-    let with_scan = cite("tree.obj");
+    let said = folder.run(&["cite", "tree.obj", "--format", "json"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    let with_scan = said.json();
     let turned = changes(&with_scan);
     assert_eq!(turned["changed"]["thin"], "0.1", "{turned}");
     assert_eq!(turned["edits"], serde_json::json!(["cut stem 0.4"]));

@@ -75,21 +75,37 @@ def wood(rows, found):
 
 
 def tubes(mesh, rows, found):
-    """Volumes of the wood's mesh: each axis is a closed piece of it, in the order of the axes."""
+    """Volumes of the wood's mesh: each axis is a closed piece of it, in the order of the axes. Stems that lean go on into the
+    ground, which is no wood of theirs."""
     corners, same = np.unique(mesh.vertices, axis=0, return_inverse=True)
     faces = same.reshape(-1)[mesh.faces]
     piece = trimesh.graph.connected_component_labels(
         np.vstack([faces[:, :2], faces[:, 1:]]), node_count=len(corners))[faces[:, 0]]
-    a, b, c = (corners[faces[:, i]] for i in range(3))
-    signed = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
-    found["wood_volume_m3"] = signed.sum()
+    foot = min(row["start_y_m"] for row in rows if row["branch_order"] == 0)
+    corners = corners - [0, foot, 0]
+    signed = of_cones(corners, faces)
     # A piece's first triangle says when it was written.
     _, first, number = np.unique(piece, return_index=True, return_inverse=True)
     order_of = {int(row["branch"]): int(row["branch_order"]) for row in rows}
     axes = sorted(order_of)
-    if len(first) == len(axes):
-        volumes = np.bincount(number.reshape(-1), weights=signed)[np.argsort(first)]
-        found["wood_volume_by_order_m3"] = np.bincount([order_of[axis] for axis in axes], weights=volumes)
+    is_known = len(first) == len(axes)
+    orders = np.array([order_of[axis] for axis in axes])
+    piece_of = np.argsort(np.argsort(first))[number.reshape(-1)]
+    of_stems = faces[orders[piece_of] == 0] if is_known else faces
+    # Without what closes it at the ground, which seen from there has no volume.
+    above = trimesh.intersections.slice_faces_plane(corners, of_stems, plane_normal=[0, 1, 0], plane_origin=[0, 0, 0])
+    in_ground = of_cones(corners, of_stems).sum() - of_cones(*above[:2]).sum()
+    found["wood_volume_m3"] = signed.sum() - in_ground
+    if is_known:
+        volumes = np.bincount(orders, weights=np.bincount(piece_of, weights=signed))
+        volumes[0] -= in_ground
+        found["wood_volume_by_order_m3"] = volumes
+
+
+def of_cones(corners, faces):
+    """Signed volumes from the origin to each triangle."""
+    a, b, c = (corners[faces[:, i]] for i in range(3))
+    return np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
 
 
 def girth(mesh, rows, report, found):

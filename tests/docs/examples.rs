@@ -1,5 +1,6 @@
-//! Examples: presets and grammars in the documents are read, and errors are what the documents say.
+//! Examples: presets, forests and grammars in the documents are read, and errors are what the documents say.
 
+use linden::forest::ForestDocument;
 use linden::knob::Value;
 use linden::lsystem::Grammar;
 use linden::lsystem::text::parse;
@@ -8,13 +9,18 @@ use linden::preset::Preset;
 use crate::{blocks, is_update, pages, read, root};
 
 #[test]
-fn presets_in_documents_are_read() {
+fn presets_and_forests_in_documents_are_read() {
     let mut count = 0;
     for path in pages() {
         let page = read(&path);
         for (line, block) in blocks(&page, "toml").into_iter().filter(|(_, block)| block.starts_with("id = "))
         {
-            if let Err(fault) = Preset::from_toml(block) {
+            let read = if block.contains("[[tree]]") {
+                ForestDocument::parse(block).map(drop)
+            } else {
+                Preset::from_toml(block).map(drop)
+            };
+            if let Err(fault) = read {
                 panic!("{path}:{line}: {fault}");
             }
             count += 1;

@@ -463,6 +463,8 @@ fn tell_what_is_meant(error: &mut clap::Error) {
     let Some(tips) = meant_by(typed) else { return };
     let tips = tips.iter().map(|tip| (*tip).into()).collect();
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+    // What is spelt alike is among them, or means something else.
+    error.remove(ContextKind::SuggestedArg);
 }
 
 /// Parses the command line and does what it says.

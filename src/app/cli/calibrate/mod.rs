@@ -243,14 +243,19 @@ impl Calibration {
         let too_few: Vec<&str> =
             self.numbers.iter().filter(|row| row.is_too_few()).map(|row| row.name).collect();
         let is_told = self.numbers.iter().any(|row| row.parts.is_some());
-        if parted.is_empty() && (is_told || too_few.is_empty()) {
-            text += "Nothing parts: as far as so many trees tell, they are of one kind.\n";
-        }
-        if !is_told && !too_few.is_empty() {
-            text += "Nothing can part: p of so few trees is never small enough, however far apart they are. Measure more, or \
-                     grow more with --seeds.\n";
-        } else if !too_few.is_empty() {
-            text += &format!("{TOO_FEW}: {}\n", too_few.join(", "));
+        text += match (is_told, parted.is_empty(), too_few.is_empty()) {
+            (_, true, true) => "Nothing parts: as far as so many trees tell, they are of one kind.\n",
+            (true, true, false) => {
+                "Nothing else parts: in the rest, as far as so many trees tell, they are of one kind.\n"
+            }
+            (false, _, false) => {
+                "Nothing can part: p of so few trees is never small enough, however far apart they are. Measure more, or \
+                 grow more with --seeds.\n"
+            }
+            _ => "",
+        };
+        if is_told && !too_few.is_empty() {
+            text += &format!("Too few trees to tell: {}\n", too_few.join(", "));
         }
         for row in parted {
             let Some(grown) = &row.grown else { continue };
