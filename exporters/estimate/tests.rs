@@ -87,8 +87,6 @@ fn all_files(triangles: u64) -> Vec<(&'static dyn Exporter, Options)> {
 /// Counts a tree, writes it to the files whose turn it is, and says which estimates are off.
 fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
     let mut faults = Vec::new();
-    let dir = tempfile::tempdir().unwrap();
-    let target = dir.path().join("tree.any");
     // What grows in a mesh needs its file.
     let Ok(grown) = grow(recipe, &Quiet) else { return faults };
     let estimate = Estimate::new(recipe, &grown, &Quiet).unwrap();
@@ -114,7 +112,8 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
     for (_, (exporter, options)) in its {
         let format = exporter.format();
         let write = |stage: &Stage<'_>| -> u64 {
-            let mut bundle = Bundle::create(&target).unwrap().unsynced();
+            let dir = tempfile::tempdir().unwrap();
+            let mut bundle = Bundle::create(dir.path().join("tree.any")).unwrap().unsynced();
             exporter.write(stage, &options, &mut bundle, &Quiet).unwrap();
             bundle.commit().unwrap().iter().map(|file| file.bytes).sum()
         };

@@ -135,7 +135,7 @@ pub fn plants() -> Vec<Plant> {
         plant(
             "thick",
             CROWN,
-            &[&[("base_radius", "0.1"), ("leaf_form", "tuft"), ("lod_triangles", "900 300")]],
+            &[&[("base_radius", "0.1"), ("leaf_form", "tuft"), ("lod_triangles", "1200 300")]],
         ),
         plant(
             "stems on stems",
