@@ -60,6 +60,9 @@ const DOUBTFUL: f64 = 0.2;
 /// How much slices about one axis say at most: a single leaning stem has none.
 const MOST_STEADY: f64 = 1.2;
 
+/// Slices of a bare stem that leans wander far beside their own width.
+const SLIM: f64 = 0.25;
+
 /// Level slices through the height of a cloud.
 const LEVELS: usize = 20;
 
@@ -77,7 +80,7 @@ struct Standing {
     slender: f64,
     /// The width of the narrower end, as a part of the widest slice.
     end: f64,
-    /// How far the middles of slices are from one axis, as a part of the slices' widths.
+    /// How far the middles of slices are from one axis, as a part of the slices' widths, of a slim stem of [`SLIM`] of the widest.
     wander: f64,
 }
 
@@ -110,7 +113,7 @@ impl Standing {
             foot,
             slender: (high - low) / wide,
             end: ends / widest,
-            wander: off / usual_width,
+            wander: off / usual_width.max(SLIM * widest),
         })
     }
 
