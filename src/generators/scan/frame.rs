@@ -43,7 +43,7 @@ pub fn guess_up(points: &[DVec3], usual: Up) -> UpGuess {
     let steady = (of_other.wandering() - of_usual.wandering()).clamp(-MOST_STEADY, MOST_STEADY);
     let upright = of_usual.evidence() - of_other.evidence() + steady;
     // The tip of a limb is as narrow as a foot.
-    let has_stem = of_usual.foot > WIDE && of_other.foot < NARROW && upright < DOUBTFUL;
+    let has_stem = of_usual.foot > WIDE && of_other.foot < NARROW && upright < 0.0;
     match upright {
         upright if has_stem || upright <= LYING => UpGuess::Other(other),
         upright if upright < DOUBTFUL => UpGuess::Undecided,
