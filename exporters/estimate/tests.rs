@@ -113,7 +113,7 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
         let format = exporter.format();
         let write = |stage: &Stage<'_>| -> u64 {
             let dir = tempfile::tempdir().unwrap();
-            let mut bundle = Bundle::create(dir.path().join("tree.any")).unwrap().unsynced();
+            let mut bundle = Bundle::create(&dir.path().join("tree.any")).unwrap().unsynced();
             exporter.write(stage, &options, &mut bundle, &Quiet).unwrap();
             bundle.commit().unwrap().iter().map(|file| file.bytes).sum()
         };
