@@ -52,8 +52,11 @@ fn says(grown: &Grown, said: &str) -> bool {
     grown.notes.iter().any(|note| note.contains(said))
 }
 
+/// Points, and what a column says of each by its number.
+type Told<'a> = (&'a [DVec3], &'a dyn Fn(usize) -> String);
+
 /// A table of points with what stands in one more column.
-fn table(column: &str, rows: &[(&[DVec3], &dyn Fn(usize) -> String)]) -> String {
+fn table(column: &str, rows: &[Told<'_>]) -> String {
     let mut text = format!("x,y,z,{column}\n");
     for (points, value) in rows {
         for (i, p) in points.iter().enumerate() {
@@ -187,9 +190,9 @@ fn coarse_coordinates_far_from_the_origin_are_said() {
         for p in points {
             for x in (p + offset).to_array() {
                 if kind == "float" {
-                    bytes.extend((x as f32).to_le_bytes())
+                    bytes.extend((x as f32).to_le_bytes());
                 } else {
-                    bytes.extend(x.to_le_bytes())
+                    bytes.extend(x.to_le_bytes());
                 }
             }
         }
@@ -225,7 +228,9 @@ fn las(points: &[(DVec3, u8)], system: Option<(u16, &[u8])>) -> Vec<u8> {
     bytes.extend(20_u16.to_le_bytes());
     bytes.extend((points.len() as u32).to_le_bytes());
     bytes.extend([0; 20]);
-    [0.001_f64, 0.001, 0.001, 0.0, 0.0, 0.0].iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+    for x in [0.001_f64, 0.001, 0.001, 0.0, 0.0, 0.0] {
+        bytes.extend(x.to_le_bytes());
+    }
     bytes.extend([0; 48]);
     if let Some((id, data)) = system {
         bytes.extend([0, 0]);

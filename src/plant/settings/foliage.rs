@@ -337,7 +337,7 @@ impl FoliageSettings {
         self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
     }
 
-    /// What to say of kinds whose leaves_per_m counted twigs with many leaves each and counts leaves now, or the other way
+    /// What to say of kinds whose `leaves_per_m` counted twigs with many leaves each and counts leaves now, or the other way
     /// round, as it is what it was `before`.
     pub fn form_notes(&self, before: &Self) -> Vec<String> {
         let note = |(was, is): (&LeafKind, &LeafKind)| {
