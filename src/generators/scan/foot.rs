@@ -44,11 +44,10 @@ impl Foot {
         let layer_m = (top - bottom).max(f64::MIN_POSITIVE) / LAYERS as f64;
         let grid = Columns::new(points, bottom - layer_m, layer_m);
         let way = grid.stem();
-        // The stem starts where the way first meets half as much wood as in three quarters of the layers: leaves make
-        // more points of a crown than of a stem.
+        // The stem starts where the way first meets as much wood as half of the median further up.
         let mut wood: Vec<f32> = way.iter().map(|&(_, wood)| wood).filter(|&wood| wood > 0.0).collect();
         wood.sort_unstable_by(f32::total_cmp);
-        let enough = wood.get(wood.len() / 4).map_or(0.0, |quarter| 0.5 * quarter);
+        let enough = wood.get(wood.len() / 2).map_or(0.0, |median| 0.5 * median);
         let first = way.iter().position(|&(_, wood)| wood >= enough && wood > 0.0).unwrap_or(0);
         let centre = grid.centre(way[first].0);
         let is_near = |p: &DVec3| (p.x - centre.0).abs().max((p.z - centre.1).abs()) <= 1.5 * grid.cell_m;
