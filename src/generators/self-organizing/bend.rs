@@ -28,8 +28,8 @@ const KEPT: u32 = 256;
 /// Changes of light that are made at a time.
 const BATCH: usize = 1 << 17;
 
-/// What bending knows of a node, in one list, since large trees have little memory to spare. Until the node is reached, from the
-/// tips down, it is what hangs on it: weight in newtons, and weight times place, x and z, in newton metres. Then it is
+/// What bending knows of a node, in one list, for large trees need their memory. Until the node is reached, from the tips
+/// down, it is what hangs on it: weight in newtons, and weight times place, x and z, in newton metres. Then it is
 /// how much the internode turns where it begins, against the one below, and at last, from the feet up, in all.
 type Slot = [f64; 4];
 

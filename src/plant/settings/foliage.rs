@@ -358,7 +358,7 @@ impl FoliageSettings {
                 "{kind}leaves_per_m={} counted {counted} and counts {counts} now; {kind}leaves_per_m={} gives as many \
                  leaves as before",
                 is.per_m,
-                (10.0 * as_many).round() / 10.0
+                (1e3 * as_many).round() / 1e3
             ))
         };
         before.kinds().zip(self.kinds()).filter_map(note).collect()

@@ -82,7 +82,7 @@ impl Ring {
 
 /// The most that a stem leans at its foot for its tube to go on into the ground, as the cosine: 60°.
 const LEANS: f32 = 0.5;
-/// Tubes whose foot rises less on one side stay as they are, in radii.
+/// Where one side of the foot rises less than this, in radii, the tube stays as it is.
 const LEVEL: f32 = 0.01;
 
 /// Lets the tube of a stem that leans go on straight down into the ground, level where it ends: across its axis the foot would
