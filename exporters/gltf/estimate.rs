@@ -51,7 +51,9 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let plain = if has_pictures { plain_vertices } else { vertices };
     // Twelve bytes a vertex where they are packed, eight where they name texels (four with fewer bits), in place of two
     // vectors of sixteen.
-    let (vector, texels) = if options.is_word("wind_as", "packed") {
+    let is_packed =
+        options.is_word("wind_as", "packed") && (options.is_asked("wind_as") || amounts.wind != Wind::Sway);
+    let (vector, texels) = if is_packed {
         (6, 0)
     } else if options.is_word("wind_as", "pivot-painter") && amounts.wind_vectors() > 0 {
         (if is_quantized { 2 } else { 4 }, TEXEL * amounts.axes)

@@ -45,7 +45,7 @@ use self::document::{
 use self::nodes::{SceneGraph, Standing};
 use self::options::{
     COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
-    note_translucency, with_lightmap,
+    is_wind_packed, note_translucency, with_lightmap,
 };
 use self::pivots::Pivots;
 use self::quantize::Range;
@@ -218,7 +218,7 @@ fn wind_as(
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
 ) -> Result<WindAs, ExportError> {
-    if options.is_word(WIND_AS.knob.name, "packed") {
+    if is_wind_packed(distinct, options) {
         return Ok(WindAs::Packed);
     }
     Ok(Pivots::write(distinct, options, bundle, monitor)?.map_or(WindAs::Attributes, WindAs::Pivots))

@@ -52,13 +52,29 @@ pub const WIND_AS: OptionSpec = OptionSpec::choice(
      pictures beside the file that TEXCOORD_1 names, for Unreal's functions of Pivot Painter 2",
 );
 
+/// Whether shaders are told the wind by packed numbers. The sway loop plays without a shader, and all that show it would tint the
+/// tree by `COLOR_0`: there a profile's wish is passed over, that of a user is not.
+pub fn is_wind_packed(distinct: &DistinctMeshes<'_>, options: &Options) -> bool {
+    let name = WIND_AS.knob.name;
+    options.is_word(name, "packed") && (options.is_asked(name) || !sways(distinct))
+}
+
+/// Whether something moves in a loop of targets.
+fn sways(distinct: &DistinctMeshes<'_>) -> bool {
+    distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty())
+}
+
 /// Says why there is no second set where one was asked for: its place is taken by wind.
 pub fn with_lightmap(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
     let swings = |piece: &MeshPart<'_>| piece.wind.is_some_and(|wind| wind.bones.is_none());
     // Without files beside it there are no pictures to name texels of.
     let can_take = |word: &&str| *word != "pivot-painter" || bundle.takes_side_files();
     let taking = ["packed", "pivot-painter"].into_iter().filter(can_take);
-    let taking = taking.into_iter().find(|word| options.is_word("wind_as", word));
+    let is_so = |word: &&str| match *word {
+        "packed" => is_wind_packed(distinct, options),
+        word => options.is_word(WIND_AS.knob.name, word),
+    };
+    let taking = taking.into_iter().find(is_so);
     let is_taken = taking.is_some() && distinct.parts().any(swings);
     let is_asked = options.is_on(LIGHTMAP_UV.knob.name);
     if is_asked && is_taken {
@@ -80,7 +96,7 @@ pub const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
 /// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
 /// bits of a cube cannot hold.
 pub fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
-    let sways = distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
+    let sways = sways(distinct);
     if options.is_on("quantize") && sways {
         bundle.note(
             "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \

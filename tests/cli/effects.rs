@@ -145,6 +145,25 @@ fn document(folder: &Folder, name: &str) -> serde_json::Value {
     serde_json::from_slice(&bytes[20..20 + length]).unwrap()
 }
 
+/// What plays by itself is shown by programs that would tint it by the bytes for shaders.
+#[test]
+fn a_profile_packs_the_wind_of_shaders_alone() {
+    let folder = Folder::new();
+    let attributes = |name: &str, flags: &[&str]| {
+        let export = ["export", "dressed-simple", "-o", name, "--set", "points=60"];
+        fine(run(&folder, &[&export[..], flags].concat()));
+        document(&folder, name)["meshes"][0]["primitives"][0]["attributes"].clone()
+    };
+    for program in ["godot", "unity", "unreal"] {
+        let shader = attributes("shader.glb", &["--wind", "--for", program]);
+        assert!(shader["COLOR_0"].is_u64() && shader["_WIND"].is_null(), "{program}: {shader}");
+        let loops = attributes("loop.glb", &["--wind=sway", "--for", program]);
+        assert!(loops["COLOR_0"].is_null() && loops["_WIND"].is_u64(), "{program}: {loops}");
+    }
+    let asked = attributes("asked.glb", &["--wind=sway", "--for", "godot", "--set", "glb.wind_as=packed"]);
+    assert!(asked["COLOR_0"].is_u64(), "{asked}");
+}
+
 #[test]
 fn bare_wind_is_the_attributes_and_can_be_quantized() {
     let folder = Folder::new();
