@@ -19,6 +19,9 @@ const STRAIGHT: f32 = 0.004;
 /// An axis that is seen whole past the foliage counts as thicker by this many times its radius than one that is hidden
 /// in it: without the first, what hangs on it would float.
 const SEEN: f32 = 6.0;
+/// The course of the thickest axis counts this many times more than that of a twig, that of others by how thick they are:
+/// a stem that jumps by its own thickness is seen from far away, from level to level as well.
+const STEM: f32 = 5.0;
 /// Axes between two looks at the monitor.
 const AXES_PER_CHECK: usize = 1024;
 
@@ -48,6 +51,7 @@ impl<'a> Wood<'a> {
         let mut needed = vec![f32::INFINITY; skeleton.positions.len()];
         let mut stays = Vec::with_capacity(skeleton.axes.len());
         let mut splitter = Splitter::default();
+        let thickest_m = thickest_m(skeleton).max(f32::MIN_POSITIVE);
         for (index, axis) in skeleton.axes.iter().enumerate() {
             if index.is_multiple_of(AXES_PER_CHECK) {
                 monitor.check()?;
@@ -63,7 +67,7 @@ impl<'a> Wood<'a> {
                 node => stays[axis_of[node as usize] as usize],
             };
             stays.push(limit_m.min(parent_m));
-            splitter.rank(skeleton, axis, &mut needed);
+            splitter.rank(skeleton, axis, 1.0 + STEM * base_m / thickest_m, &mut needed);
         }
         // Something must stay: the thickest stem, the first of those.
         let stems = (0..stays.len()).filter(|&i| skeleton.axes[i].parent == NO_PARENT);
@@ -81,7 +85,7 @@ impl<'a> Wood<'a> {
 
     /// The thickest that the tree has, metres.
     pub fn thickest_m(&self) -> f32 {
-        self.skeleton.radii.iter().copied().fold(0.0, f32::max)
+        thickest_m(self.skeleton)
     }
 
     /// The longest edge of the box round it, metres.
@@ -157,6 +161,10 @@ impl<'a> Wood<'a> {
     }
 }
 
+fn thickest_m(skeleton: &Skeleton) -> f32 {
+    skeleton.radii.iter().copied().fold(0.0, f32::max)
+}
+
 /// Ranks the nodes of axes by how much each of them shapes its axis.
 #[derive(Default)]
 struct Splitter {
@@ -170,8 +178,8 @@ impl Splitter {
     /// After Douglas & Peucker 1973: a piece of an axis is as far from the straight line between its
     /// ends as its farthest node, which then splits it. It is looked for in the middle half, so that
     /// any axis takes time in proportion to n log n; no node counts more than the one that split
-    /// its piece. The change of the radius counts like the change of place.
-    fn rank(&mut self, skeleton: &Skeleton, axis: &Axis, needed: &mut [f32]) {
+    /// its piece. The change of the radius counts like the change of place; both `times` as much.
+    fn rank(&mut self, skeleton: &Skeleton, axis: &Axis, times: f32, needed: &mut [f32]) {
         let nodes = skeleton.nodes_of(axis);
         let station =
             |node: u32, thick: u32| (skeleton.positions[node as usize], skeleton.radii[thick as usize]);
@@ -189,7 +197,7 @@ impl Splitter {
             let (split, error) = self.farthest(from, to);
             let node = nodes[split - laterals];
             let alone = error + STRAIGHT * self.line[from].0.distance(self.line[to].0);
-            let counts = (alone * later(node)).min(above);
+            let counts = (times * alone * later(node)).min(above);
             needed[node as usize] = counts;
             for (from, to) in [(from, split), (split, to)] {
                 if to - from > 1 {
@@ -328,6 +336,34 @@ mod tests {
             }
             assert!(thin.positions.len() < whole.positions.len());
         }
+    }
+
+    /// A crooked bole that jumped by half of its thickness from level to level.
+    #[test]
+    fn a_stem_keeps_its_course_longer_than_a_twig() {
+        let grown = Subject::builtin("oak", &[]).grow();
+        let wood = Wood::new(&grown.skeleton, &Exposure::default(), &Quiet).unwrap();
+        let tolerance_m = 0.6;
+        let (thin, axes) = wood.thinned(&with(tolerance_m, 0.01));
+        let off_m = |axis: usize| {
+            let line: Vec<Vec3> =
+                thin.nodes_of(&thin.axes[axis]).iter().map(|&node| thin.positions[node as usize]).collect();
+            let whole = grown.skeleton.nodes_of(&grown.skeleton.axes[axes[axis] as usize]);
+            let nearest = |p: Vec3| {
+                let pieces = line.windows(2).map(|pair| {
+                    let along = pair[1] - pair[0];
+                    let t = (p - pair[0]).dot(along) / along.length_squared();
+                    p.distance(pair[0] + along * t.clamp(0.0, 1.0))
+                });
+                pieces.fold(f32::INFINITY, f32::min)
+            };
+            whole.iter().map(|&node| nearest(grown.skeleton.positions[node as usize])).fold(0.0, f32::max)
+        };
+        let stem = thin.trunk()[0] as usize;
+        let others = (0..thin.axes.len()).filter(|&axis| axis != stem && thin.axes[axis].len > 1);
+        let farthest_m = others.map(off_m).fold(0.0, f32::max);
+        assert!(farthest_m > 0.2, "{farthest_m}");
+        assert!(off_m(stem) <= tolerance_m / (1.0 + STEM), "{}", off_m(stem));
     }
 
     #[test]
