@@ -22,7 +22,7 @@ const STEPS: usize = 8;
 pub(crate) const SD_PER_MAD: f64 = 1.4826;
 
 /// Residuals of so many standard deviations and more have no weight (Tukey's biweight).
-const TUKEY: f64 = 4.685;
+pub(crate) const TUKEY: f64 = 4.685;
 
 /// Points that a circle is put through at least.
 pub(crate) const LEAST_POINTS: usize = 12;
@@ -220,15 +220,15 @@ fn sums<const N: usize>(flat: &[Flat], of: impl Fn(Flat) -> [f64; N]) -> [f64; N
     sums
 }
 
-/// Solves three equations (Gauss, with pivots).
-fn solve(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
-    for i in 0..3 {
-        let pivot = (i..3).max_by(|&a, &b| m[a][i].abs().total_cmp(&m[b][i].abs()))?;
+/// Solves `N` equations of `N + 1` numbers each (Gauss, with pivots).
+pub(crate) fn solve<const N: usize, const ROW: usize>(mut m: [[f64; ROW]; N]) -> Option<[f64; N]> {
+    for i in 0..N {
+        let pivot = (i..N).max_by(|&a, &b| m[a][i].abs().total_cmp(&m[b][i].abs()))?;
         m.swap(i, pivot);
         if !(m[i][i].abs() > 1e-9) {
             return None;
         }
-        for j in (0..3).filter(|&j| j != i) {
+        for j in (0..N).filter(|&j| j != i) {
             let factor = m[j][i] / m[i][i];
             let pivot = m[i];
             for (number, pivot) in m[j].iter_mut().zip(pivot).skip(i) {
@@ -236,7 +236,7 @@ fn solve(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
             }
         }
     }
-    Some([0, 1, 2].map(|i| m[i][3] / m[i][i]))
+    Some(std::array::from_fn(|i| m[i][N] / m[i][i]))
 }
 
 /// Taubin's circle: Newton's steps on the characteristic cubic (Chernov 2010, *Circular and linear regression*).
@@ -310,7 +310,7 @@ fn turn(x: f64, y: f64) -> f64 {
 }
 
 /// Median distance of points off a circle.
-fn mad(flat: &[Flat], circle: [f64; 3], scratch: &mut Vec<u64>) -> f64 {
+pub(crate) fn mad(flat: &[Flat], circle: [f64; 3], scratch: &mut Vec<u64>) -> f64 {
     scratch.clear();
     scratch.extend(flat.iter().map(|&p| off(p, circle).abs().to_bits()));
     // Bits of non-negative floats order as the floats do.

@@ -47,6 +47,7 @@ mod circle;
 mod clean;
 mod crowns;
 mod cubes;
+mod cylinder;
 mod error;
 mod fit;
 mod foot;

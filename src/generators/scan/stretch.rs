@@ -5,6 +5,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Branching, NO_PARENT};
 
 use super::circle::{self, Circle, Flat, LEAST_POINTS};
+use super::cylinder;
 use super::segments::Nearest;
 
 /// Points with which a stretch is long enough.
@@ -26,6 +27,9 @@ const FARTHEST_M: f64 = 0.5;
 
 /// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
 const BASE: f64 = 1.3;
+
+/// Half of the points lie farther off a circle than this part of its radius: the axis may lead another way than the wood.
+const UNEVEN: f64 = 0.04;
 
 /// A node around which a circle was looked for.
 #[derive(Clone, Copy)]
@@ -196,11 +200,13 @@ impl<'a> Stretch<'a> {
 
     fn fit(&self, i: usize, reach_m: f64) -> Option<(Circle, DVec3)> {
         let middle = self.at[i];
-        let (u, v) = self.direction(i, reach_m)?.any_orthonormal_pair();
+        let w = self.direction(i, reach_m)?;
+        let (u, v) = w.any_orthonormal_pair();
         let range = self.around(i, reach_m);
         let count = self.count(i, reach_m);
         let stride = count.div_ceil(self.most_points).max(1);
         let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
+        let mut near: Vec<DVec3> = Vec::with_capacity(count / stride + 1);
         let mut n = 0;
         for k in range {
             if self.by_node.of(self.nodes[k]).is_empty() {
@@ -211,15 +217,33 @@ impl<'a> Stretch<'a> {
             for &p in self.by_node.of(self.nodes[k]) {
                 n += 1;
                 if n % stride == 0 {
-                    let away = (self.bark[p as usize].as_dvec3() - self.at[k]).reject_from_normalized(along);
+                    let p = self.bark[p as usize].as_dvec3();
+                    let away = (p - self.at[k]).reject_from_normalized(along);
                     flat.push((away.dot(u), away.dot(v)));
+                    near.push(p - middle);
                 }
             }
         }
         let found = circle::fit(&flat)?;
+        if found.mad_m > UNEVEN * found.radius_m
+            && let Some((straight, centre)) = straight(&near, [u, v, w], &found)
+        {
+            return Some((straight, middle + centre));
+        }
         let centre = middle + u * found.centre.0 + v * found.centre.1;
         Some((found, centre))
     }
+}
+
+/// The circle of the straight cylinder on which points lie more closely than on the one that was seen, and its centre, if there is
+/// one. Points and centre are given from the middle of the stretch. Seen askew a cylinder is an oval, through which the circle
+/// is too large: what comes out larger is another thing.
+fn straight(points: &[DVec3], frame: [DVec3; 3], seen: &Circle) -> Option<(Circle, DVec3)> {
+    let [u, v, _] = cylinder::turned(points, frame, seen)?;
+    let flat: Vec<Flat> = points.iter().map(|p| (p.dot(u), p.dot(v))).collect();
+    let found = circle::fit(&flat)?;
+    let is_better = found.mad_m < seen.mad_m && found.radius_m < seen.radius_m;
+    is_better.then(|| (found, u * found.centre.0 + v * found.centre.1))
 }
 
 #[cfg(test)]
