@@ -1,7 +1,7 @@
 //! Reads Esri's ASCII grids (`.asc`): heights of a canopy above ground on a square grid, as airborne surveys have them.
 //!
 //! Six lines of a name and a number (`ncols`, `nrows`, `xllcorner` or `xllcenter`, `yllcorner` or `yllcenter`, `cellsize`,
-//! and perhaps `NODATA_value`, −9999 without), then the values, row by row from the north. What a header announces is held
+//! and perhaps `NODATA_value`, −9999 without; NaN has no value in any case), then the values, row by row from the north. What a header announces is held
 //! against the bytes that follow.
 
 use glam::DVec3;
@@ -55,12 +55,10 @@ pub fn read_grid(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputErro
             if at == count {
                 return Err(error(line, &format!("no more than {count} values"), word));
             }
-            let height = match word.parse::<f64>() {
-                Ok(height) if height.is_nan() => header.no_data,
-                Ok(height) => in_range(height).map_err(|expected| error(line, expected, word))?,
-                Err(_) => return Err(error(line, "a number", word)),
-            };
-            if height != header.no_data {
+            let height = word.parse::<f64>().map_err(|_| error(line, "a number", word))?;
+            // What stands for none may be a number that no height can be: −3.4e38 is usual.
+            if !height.is_nan() && height != header.no_data {
+                let height = in_range(height).map_err(|expected| error(line, expected, word))?;
                 let (column, row) = (at % header.columns, at / header.columns);
                 let x = header.low[0] + column as f64 * header.cell;
                 let y = header.low[1] + (header.rows - 1 - row) as f64 * header.cell;
@@ -84,7 +82,11 @@ impl Header {
     ) -> Result<Self, InputError> {
         let (mut columns, mut rows, mut x, mut y, mut cell) = (None, None, None, None, None);
         let mut no_data = -9999.0;
-        let is_name = |row: &str| row.trim_start().starts_with(|letter: char| letter.is_ascii_alphabetic());
+        // `nan` and `inf` are values.
+        let is_name = |row: &str| {
+            let word = row.split_whitespace().next().unwrap_or_default();
+            word.starts_with(|letter: char| letter.is_ascii_alphabetic()) && word.parse::<f64>().is_err()
+        };
         while let Some((line, row)) = lines.next_if(|(_, row)| row.trim().is_empty() || is_name(row)) {
             let mut words = row.split_whitespace();
             let (Some(name), value) = (words.next(), words.next().unwrap_or_default()) else { continue };
@@ -104,7 +106,7 @@ impl Header {
                 "yllcorner" => y = Some((number()?, 0.5)),
                 "yllcenter" => y = Some((number()?, 0.0)),
                 "cellsize" => cell = Some(number()?),
-                // Some programs write `nan`.
+                // Some programs write `nan`, which no cell equals: NaN is none in any case.
                 "nodata_value" => no_data = value.parse().unwrap_or(no_data),
                 "dx" | "dy" => {
                     return Err(whole("its cells are not square; resample it to one cellsize".to_owned()));
@@ -171,6 +173,20 @@ mod tests {
         assert_eq!(read_grid(centre.as_bytes(), &Quiet).unwrap(), corner);
         assert_eq!(sniff(centre.as_bytes(), "chm.txt"), Ok(InputKind::HeightGrid));
         assert_eq!(sniff(b"ncols = 3\n", "a.toml"), Ok(InputKind::Preset));
+    }
+
+    #[test]
+    fn cells_of_nan_have_no_value_whatever_stands_for_none() {
+        let all = |text: &str| read_grid(text.as_bytes(), &Quiet).map(|cloud| cloud.positions);
+        let expected = all(GRID).unwrap();
+        for none in ["nan", "NaN", "-3.4028234663852886e+38", "inf", "-9999"] {
+            let text = GRID.replace("NODATA_value -1", &format!("NODATA_value {none}"));
+            assert_eq!(all(&text.replace("2.5 -1", &format!("2.5 {none}"))).unwrap(), expected, "{none}");
+            assert_eq!(all(&text.replace("2.5 -1", "2.5 nan")).unwrap(), expected, "{none}");
+            let empty = text.replace("1 2.5 -1\n4 5 6", "nan nan nan nan nan nan");
+            let error = all(&empty).unwrap_err().to_string();
+            assert!(error.contains("none of its 6 cells has a value"), "{none}: {error}");
+        }
     }
 
     #[test]
