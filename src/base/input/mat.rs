@@ -4,7 +4,6 @@
 //! Of the format (`MathWorks`, MAT-File Format, 2019) what such files hold is read: numbers of all types, structures, cells,
 //! compressed variables, either order of bytes. Files of `-v7.3` are HDF5, and refused with advice.
 
-use std::collections::BTreeMap;
 use std::io::Read;
 
 use flate2::read::ZlibDecoder;
@@ -12,7 +11,7 @@ use glam::DVec3;
 
 use super::cylinders::{CylinderDialect, CylinderRow, CylinderTable, Found, TooLarge};
 use super::{InputError, READING, READING_ADVICE, in_range};
-use crate::memory::bytes_grown;
+use crate::memory::{bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 
 /// How a file of level 5 begins.
@@ -25,6 +24,12 @@ const HEADER: usize = 128;
 
 /// Structures in structures: far more than models have.
 const MOST_DEPTH: u32 = 12;
+
+/// The longest name of a field in bytes, with the zero behind it: MATLAB's has 63 letters at most.
+const LONGEST_NAME: usize = 64;
+
+/// No element of an array takes fewer bytes in the file.
+const LEAST_ELEMENT: usize = 8;
 
 /// Bytes that are unpacked between two looks at the monitor.
 const CHUNK: usize = 1 << 16;
@@ -80,10 +85,35 @@ fn cut() -> InputError {
 /// A variable, or a part of one.
 enum Array<'a> {
     Numbers(Numbers<'a>),
-    /// For each element, its fields.
-    Structures(Vec<BTreeMap<String, Array<'a>>>),
+    Structures(Structures<'a>),
     Cells(Vec<Array<'a>>),
     Other,
+}
+
+/// Structures of the same fields.
+struct Structures<'a> {
+    names: Vec<&'a str>,
+    /// Element after element, in the order of the names.
+    values: Vec<Array<'a>>,
+}
+
+/// What of a variable is held while it is read.
+struct Held<'m> {
+    bytes: u64,
+    monitor: &'m dyn Monitor,
+}
+
+impl Held<'_> {
+    /// A list of as many items as the file announces, if its `rest` of so many bytes can have them.
+    fn list<T>(&mut self, count: usize, rest: usize, least: usize) -> Result<Vec<T>, InputError> {
+        if count > rest / least {
+            return Err(cut());
+        }
+        self.monitor.check()?;
+        self.bytes = self.bytes.saturating_add(bytes_of::<T>(count));
+        self.monitor.admit(READING, self.bytes, READING_ADVICE)?;
+        Ok(Vec::with_capacity(count))
+    }
 }
 
 /// Numbers as they stand in the file.
@@ -172,7 +202,12 @@ impl<'a> Bytes<'a> {
     }
 
     /// An array: its name and what is in it.
-    fn array(self, data: &'a [u8], depth: u32) -> Result<(String, Array<'a>), InputError> {
+    fn array(
+        self,
+        data: &'a [u8],
+        depth: u32,
+        held: &mut Held<'_>,
+    ) -> Result<(String, Array<'a>), InputError> {
         if data.is_empty() {
             return Ok((String::new(), Array::Other));
         }
@@ -188,12 +223,12 @@ impl<'a> Bytes<'a> {
         let (_, name) = bytes.element()?;
         let name = String::from_utf8_lossy(name).into_owned();
         let array = match class {
-            class::STRUCT => bytes.structures(count, depth)?,
+            class::STRUCT => bytes.structures(count, depth, held)?,
             class::CELL => {
-                let mut cells = Vec::new();
+                let mut cells = held.list(count, bytes.rest.len(), LEAST_ELEMENT)?;
                 for _ in 0..count {
                     let (_, data) = bytes.element()?;
-                    cells.push(self.array(data, depth + 1)?.1);
+                    cells.push(self.array(data, depth + 1, held)?.1);
                 }
                 Array::Cells(cells)
             }
@@ -208,31 +243,32 @@ impl<'a> Bytes<'a> {
         Ok((name, array))
     }
 
-    fn structures(mut self, count: usize, depth: u32) -> Result<Array<'a>, InputError> {
+    fn structures(mut self, count: usize, depth: u32, held: &mut Held<'_>) -> Result<Array<'a>, InputError> {
         let (_, length) = self.element()?;
         let length = self.words(length)?.first().copied().unwrap_or(0) as usize;
-        let (_, names) = self.element()?;
-        if length == 0 {
+        let (_, letters) = self.element()?;
+        if length == 0 || letters.len() < length {
             return Ok(Array::Other);
         }
-        let name = |bytes: &[u8]| {
-            let end = bytes.iter().position(|&byte| byte == 0).unwrap_or(bytes.len());
-            String::from_utf8_lossy(&bytes[..end]).into_owned()
-        };
-        let names: Vec<String> = names.chunks_exact(length).map(name).collect();
-        if names.is_empty() {
-            return Ok(Array::Other);
+        if length > LONGEST_NAME {
+            return Err(whole(format!(
+                "names of fields take {length} bytes each, where MATLAB has {LONGEST_NAME} at most; it is damaged: \
+                 copy or save it again"
+            )));
         }
-        let mut all = Vec::new();
-        for _ in 0..count {
-            let mut fields = BTreeMap::new();
-            for name in &names {
-                let (_, data) = self.element()?;
-                fields.insert(name.clone(), self.array(data, depth + 1)?.1);
-            }
-            all.push(fields);
+        let mut names = held.list(letters.len() / length, letters.len(), 1)?;
+        for name in letters.chunks_exact(length) {
+            let end = name.iter().position(|&byte| byte == 0).unwrap_or(length);
+            // Names are ASCII; what is not is none that is looked for.
+            names.push(std::str::from_utf8(&name[..end]).unwrap_or_default());
         }
-        Ok(Array::Structures(all))
+        let all = count.checked_mul(names.len()).ok_or_else(cut)?;
+        let mut values = held.list(all, self.rest.len(), LEAST_ELEMENT)?;
+        for _ in 0..all {
+            let (_, data) = self.element()?;
+            values.push(self.array(data, depth + 1, held)?.1);
+        }
+        Ok(Array::Structures(Structures { names, values }))
     }
 }
 
@@ -294,7 +330,9 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
             kind::MATRIX => data,
             _ => continue,
         };
-        let (name, array) = rest.array(data, 0)?;
+        // What was unpacked is held too, but counted before.
+        let mut in_variable = Held { bytes: held, monitor };
+        let (name, array) = rest.array(data, 0, &mut in_variable)?;
         let mut trees = Vec::new();
         if COLUMNS.iter().any(|names| names[1] == name) {
             monitor.admit(READING, held + data.len() as u64, READING_ADVICE)?;
@@ -311,11 +349,13 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
     let mut trees: Vec<Vec<Found>> =
         of_variables.into_iter().filter(is_best).flat_map(|(_, trees)| trees).collect();
     if trees.is_empty() {
-        let mut fields = BTreeMap::new();
-        for (name, data) in &flat {
-            fields.insert(name.clone(), Bytes { rest: &[], is_big }.array(data, 0)?.1);
+        let mut held = Held { bytes: flat.iter().map(|(_, bytes)| bytes.len() as u64).sum(), monitor };
+        let names: Vec<&str> = flat.iter().map(|(name, _)| name.as_str()).collect();
+        let mut values = Vec::with_capacity(flat.len());
+        for (_, data) in &flat {
+            values.push(Bytes { rest: &[], is_big }.array(data, 0, &mut held)?.1);
         }
-        trees.extend(model(&fields, monitor)?);
+        trees.extend(model(&names, &values, monitor)?);
     }
     if trees.is_empty() {
         return Err(whole(
@@ -342,13 +382,16 @@ pub(super) fn read(bytes: &[u8], monitor: &dyn Monitor) -> Result<CylinderTable,
 /// All models in an array, however deep.
 fn models(array: &Array<'_>, trees: &mut Vec<Vec<Found>>, monitor: &dyn Monitor) -> Result<(), InputError> {
     match array {
-        Array::Structures(all) => {
-            for fields in all {
-                match model(fields, monitor)? {
+        Array::Structures(Structures { names, values }) => {
+            // Models of one file are numbered in the order of the fields' names.
+            let mut order: Vec<usize> = (0..names.len()).collect();
+            order.sort_by_key(|&at| names[at]);
+            for fields in values.chunks_exact(names.len()) {
+                match model(names, fields, monitor)? {
                     Some(rows) => trees.push(rows),
                     None => {
-                        for array in fields.values() {
-                            models(array, trees, monitor)?;
+                        for &at in &order {
+                            models(&fields[at], trees, monitor)?;
                         }
                     }
                 }
@@ -366,13 +409,14 @@ fn models(array: &Array<'_>, trees: &mut Vec<Vec<Found>>, monitor: &dyn Monitor)
 
 /// The cylinders that fields name; `None` where they are of something else, or there are none.
 fn model(
-    fields: &BTreeMap<String, Array<'_>>,
+    fields: &[&str],
+    values: &[Array<'_>],
     monitor: &dyn Monitor,
 ) -> Result<Option<Vec<Found>>, InputError> {
     let find = |names: &[&str; 2]| {
-        let found = fields.iter().find(|(name, _)| names.contains(&name.as_str()));
-        found.and_then(|(name, array)| match array {
-            Array::Numbers(numbers) => Some((name.as_str(), *numbers)),
+        let found = fields.iter().zip(values).find(|(name, _)| names.contains(name));
+        found.and_then(|(&name, array)| match array {
+            Array::Numbers(numbers) => Some((name, *numbers)),
             _ => None,
         })
     };
@@ -436,4 +480,84 @@ fn model(
         rows.push(Found { line: row + 1, id: row as i64 + 1, parent, tree: None, row: along });
     }
     Ok(Some(rows))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A monitor that admits so many bytes.
+    struct Limited(u64);
+
+    impl Monitor for Limited {
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+
+        fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
+
+        fn memory_limit(&self) -> u64 {
+            self.0
+        }
+    }
+
+    fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+        let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        bytes.extend(data);
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        bytes
+    }
+
+    fn matrix(class: u8, count: u32, rest: &[Vec<u8>]) -> Vec<u8> {
+        let dimensions = [1_u32.to_le_bytes(), count.to_le_bytes()].concat();
+        let head = [
+            element(kind::UINT32, &[class, 0, 0, 0, 0, 0, 0, 0]),
+            element(kind::INT32, &dimensions),
+            element(kind::INT8, b"QSM"),
+        ];
+        element(kind::MATRIX, &[head.concat(), rest.concat()].concat())
+    }
+
+    /// A file of an array of structures, whose fields are empty.
+    fn structures(count: u32, length: u32, names: &[u8]) -> Vec<u8> {
+        let fields = names.len() as u32 / length;
+        let empty = element(kind::MATRIX, b"");
+        let rest = [
+            element(kind::INT32, &length.to_le_bytes()),
+            element(kind::INT8, names),
+            empty.repeat((count * fields) as usize),
+        ];
+        let mut bytes = OPENING.to_vec();
+        bytes.resize(HEADER - 4, b' ');
+        bytes.extend([0, 1]);
+        bytes.extend(b"IM");
+        bytes.extend(matrix(class::STRUCT, count, &rest));
+        bytes
+    }
+
+    #[test]
+    fn names_of_fields_are_no_longer_than_those_of_matlab() {
+        let said = |length: u32| {
+            let bytes = structures(2, length, &vec![b'a'; length as usize]);
+            read(&bytes, &Limited(1 << 30)).unwrap_err().to_string()
+        };
+        assert!(said(64).contains("no variable of it holds a model"), "{}", said(64));
+        assert!(said(65).contains("names of fields take 65 bytes each, where MATLAB has 64"), "{}", said(65));
+        assert!(said(1 << 20).contains("names of fields take 1048576 bytes"), "{}", said(1 << 20));
+    }
+
+    #[test]
+    fn many_structures_are_admitted_before_they_are_held() {
+        let bytes = structures(20_000, 32, &[b'a'; 64]);
+        let error = |limit: u64| read(&bytes, &Limited(limit)).unwrap_err();
+        let needed = bytes_of::<Array<'_>>(40_000);
+        assert!(matches!(error(needed), InputError::Memory(_)), "{:?}", error(needed));
+        let said = error(2 * needed).to_string();
+        assert!(said.contains("no variable of it holds a model"), "{said}");
+        // More than the file can have.
+        let mut cut = bytes.clone();
+        cut.truncate(bytes.len() - 8);
+        let error = read(&cut, &Limited(1 << 30)).unwrap_err().to_string();
+        assert!(error.contains("it may be cut off"), "{error}");
+    }
 }
