@@ -1,5 +1,7 @@
 //! How the rows of a table of points are to be read: which columns are x, y and z, and what a decimal comma is.
 
+use std::borrow::Cow;
+
 use glam::DVec3;
 
 use super::cloud::is_read;
@@ -83,14 +85,24 @@ impl Layout {
         })
     }
 
-    /// The layout of a table without a header whose first of four columns counts rows.
-    pub fn of_numbered_rows() -> Self {
-        Self { columns: [1, 2, 3], delimiter: None, decimal_comma: false, named: 0, trees: Vec::new() }
-    }
-
-    /// The same with what parts the columns of a row.
-    pub fn parted_as(self, row: &str) -> Self {
-        Self { delimiter: delimiter(row, false), ..self }
+    /// The number of a row that stands first of four columns of numbers, if the others have fractions, by points or by
+    /// decimal commas; with the layout of such rows.
+    pub fn of_numbered_row(row: &str) -> Option<(u64, Self)> {
+        let of = |decimal_comma: bool| {
+            let delimiter = delimiter(row, decimal_comma);
+            let parts: Vec<&str> = fields(row, delimiter).map(|field| field.trim_matches('"')).collect();
+            let [number, place @ ..] = &parts[..] else { return None };
+            let is_place = place.len() == 3
+                && place.iter().all(|field| coordinate(&with_point(field, decimal_comma)).is_ok());
+            let sign = if decimal_comma { ',' } else { '.' };
+            let fractions = place.iter().filter(|field| field.contains(sign)).count();
+            // Between semicolons a comma can be nothing else; between blanks, all must have one.
+            let least = if decimal_comma && delimiter != Some(';') { 3 } else { 1 };
+            let number = (is_place && fractions >= least).then(|| number.parse().ok()).flatten()?;
+            let layout = Self { columns: [1, 2, 3], delimiter, decimal_comma, named: 0, trees: Vec::new() };
+            Some((number, layout))
+        };
+        of(false).or_else(|| of(true))
     }
 
     /// Whether a row has all columns of x, y and z, some of them without a value, and is right otherwise.
@@ -114,14 +126,12 @@ impl Layout {
         let fields: Vec<&str> = fields(row, self.delimiter).collect();
         for (x, &column) in position.iter_mut().zip(&self.columns) {
             let field = fields.get(column).copied().unwrap_or_default().trim_matches('"');
-            let found =
-                if self.decimal_comma { coordinate(&field.replace(',', ".")) } else { coordinate(field) };
+            let found = coordinate(&with_point(field, self.decimal_comma));
             *x = found.map_err(|expected| format!("{expected} in column {}", column + 1))?;
         }
         let number = |(column, _): &(usize, String)| {
             let field = fields.get(*column).copied().unwrap_or_default().trim_matches('"');
-            let plain = if self.decimal_comma { field.replace(',', ".") } else { field.to_owned() };
-            plain.parse().unwrap_or(f64::NAN)
+            with_point(field, self.decimal_comma).parse().unwrap_or(f64::NAN)
         };
         Ok((DVec3::from(position), self.trees.iter().map(number).collect()))
     }
@@ -129,16 +139,14 @@ impl Layout {
 
 /// Whether a row without a header starts with x, y and z, some of them without a value.
 pub(super) fn lacks_place(row: &str) -> bool {
-    let usual = Layout { columns: [0, 1, 2], ..Layout::of_numbered_rows() };
-    usual.parted_as(row).lacks_place(row)
+    let delimiter = delimiter(row, false);
+    let usual = Layout { columns: [0, 1, 2], delimiter, decimal_comma: false, named: 0, trees: Vec::new() };
+    usual.lacks_place(row)
 }
 
-/// The number of a row that stands first of four columns of numbers, if the others have fractions.
-pub(super) fn row_number(row: &str) -> Option<u64> {
-    let parts: Vec<&str> = fields(row, delimiter(row, false)).map(|field| field.trim_matches('"')).collect();
-    let [number, place @ ..] = &parts[..] else { return None };
-    let is_place = place.len() == 3 && place.iter().all(|field| coordinate(field).is_ok());
-    (is_place && place.iter().any(|field| field.contains('.'))).then(|| number.parse().ok()).flatten()
+/// A number's text with a point where it has a decimal comma.
+fn with_point(field: &str, decimal_comma: bool) -> Cow<'_, str> {
+    if decimal_comma { field.replace(',', ".").into() } else { field.into() }
 }
 
 /// Whether a field says that there is no value, as programs write it.
@@ -262,6 +270,28 @@ mod tests {
             ("id,x,y,z", "1,2,3,4", None),
         ] {
             assert_eq!(Titles::of(header, row), expected, "{header}");
+        }
+    }
+
+    #[test]
+    fn the_first_of_four_columns_may_count_rows() {
+        for (row, number) in [
+            ("7 0.5 0.25 3", Some(7)),
+            ("7,0.5,0.25,3.0", Some(7)),
+            ("7;0,5;0,25;3", Some(7)),
+            ("7\t0,5\t0,25\t3,0", Some(7)),
+            ("7 0,5 0,25 3,0", Some(7)),
+            // Of whole numbers alone, of a fraction, of another number of columns.
+            ("7;1;2;3", None),
+            ("7\t0,5\t0,25\t3", None),
+            ("7,5;0,5;0,25;3", None),
+            ("7;0,5;0,25", None),
+            ("7;0,5;0,25;3;1", None),
+        ] {
+            let found = Layout::of_numbered_row(row);
+            assert_eq!(found.as_ref().map(|(number, _)| *number), number, "{row}");
+            let point = found.map(|(_, layout)| layout.point(row).unwrap().0);
+            assert_eq!(point, number.map(|_| DVec3::new(0.5, 0.25, 3.0)), "{row}");
         }
     }
 

@@ -5,7 +5,7 @@ use std::io::{BufRead, Read};
 use glam::DVec3;
 
 use super::gather::Gathering;
-use super::table::{Layout, Titles, lacks_place, row_number};
+use super::table::{Layout, Titles, lacks_place};
 use super::{Cloud, InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
 use crate::monitor::Monitor;
 
@@ -136,7 +136,7 @@ impl<'m> Rows<'m> {
         let Some(numbered) = &mut self.numbered else { return Ok(false) };
         let is_first = numbered.rows.is_empty();
         let has_begun = self.points.came() + self.points.placeless() > 0 || self.header.is_some();
-        if let Some(number) = row_number(row)
+        if let Some((number, _)) = Layout::of_numbered_row(row)
             && !has_begun
             && (is_first || number == numbered.next)
         {
@@ -164,7 +164,7 @@ impl<'m> Rows<'m> {
         };
         self.has_row_numbers = rows.len() >= LEAST_NUMBERED && !titled;
         if let Some((_, row)) = rows.first().filter(|_| self.has_row_numbers) {
-            self.header = Some(Layout::of_numbered_rows().parted_as(row));
+            self.header = Layout::of_numbered_row(row).map(|(_, layout)| layout);
         }
         self.read_held(&rows)
     }
@@ -404,6 +404,15 @@ mod tests {
             assert_eq!(cloud.positions, (0..count).map(place).collect::<Vec<_>>(), "{from}");
             let thin = thin_xyz(table(count, &row).as_bytes(), Some(0.1), &Quiet).unwrap();
             assert_eq!(cloud.thin(0.1, &Quiet).unwrap(), thin);
+            // As spreadsheets of many countries write it.
+            if [";", "\t"].contains(&sign) {
+                let with_fractions = |i: usize| {
+                    let (index, place) = (from + i, place(i));
+                    format!("{index}{sign}{:.2}{sign}{:.2}{sign}{:.2}\n", place.x, place.y, place.z)
+                };
+                let commas = table(count, &with_fractions).replace('.', ",");
+                assert_eq!(read_xyz(commas.as_bytes(), &Quiet).unwrap(), cloud, "{commas}");
+            }
         }
         // Too few, of a gap, of three or five columns, of whole numbers alone (a lattice), below a header.
         let usual: [(usize, &dyn Fn(usize) -> String); 6] = [
