@@ -266,9 +266,7 @@ fn part(kind: &Kind, text: &str) -> Result<Part, String> {
     }
     if let Some((mean, deviation)) = text.split_once(PLUS_MINUS[0]) {
         let (mean, in_steps) = number(mean)?;
-        let width = deviation.trim_end_matches('m');
-        let (width, steps) = width.strip_suffix('D').map_or((width, false), |width| (width, true));
-        let deviation = width.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0).ok_or_else(|| {
+        let (deviation, steps) = width(kind, deviation).ok_or_else(|| {
             format!("'{}' has no standard deviation above 0 behind {}", excerpt(text), PLUS_MINUS[0])
         })?;
         // `17D ± 2` can only mean steps.
@@ -277,6 +275,20 @@ fn part(kind: &Kind, text: &str) -> Result<Part, String> {
     }
     let (x, in_steps) = number(text)?;
     Ok(Part { shape: Shape::Fixed(x), in_steps })
+}
+
+/// A standard deviation, with the unit that the knob's numbers may have, and whether that is steps. It may lie outside of the
+/// knob's range, and be a fraction where values are whole.
+fn width(kind: &Kind, text: &str) -> Option<(f64, bool)> {
+    let (width, in_steps) = match kind {
+        Kind::Length { .. } => match kind.read(text)? {
+            Value::Real(x) => (x, false),
+            Value::Steps(x) => (x, true),
+            _ => return None,
+        },
+        _ => (text.parse().ok()?, false),
+    };
+    (width.is_finite() && width > 0.0).then_some((width, in_steps))
 }
 
 /// A number with so many digits that a thousandth of `width` shows, and no more.
@@ -321,6 +333,8 @@ mod tests {
             (integer(1, 9), "2..5", "2..5"),
             (LENGTH, "17D ± 2D", "17D ± 2D"),
             (LENGTH, "17D ± 2", "17D ± 2D"),
+            (LENGTH, "17m ± 2m", "17 ± 2"),
+            (integer(1, 9), "4 ± 0.5", "4 ± 0.5"),
             (LENGTH, "0.5m..1m", "0.5..1"),
             (LIST, "45 ± 5, 60 50 .. 70", "45±5 60 50..70"),
         ] {
@@ -336,6 +350,11 @@ mod tests {
         for (kind, text, said) in [
             (real(0.0, 10.0), "4 ± 0", "'4±0' has no standard deviation above 0 behind ±"),
             (real(0.0, 10.0), "4 ± x", "'4±x' has no standard deviation above 0 behind ±"),
+            (real(0.0, 90.0), "30 ± 5m", "'30±5m' has no standard deviation above 0 behind ±"),
+            (real(0.0, 90.0), "30 ± 5D", "'30±5D' has no standard deviation above 0 behind ±"),
+            (LENGTH, "1 ± 5mm", "'1±5mm' has no standard deviation above 0 behind ±"),
+            (LENGTH, "1D ± 5Dm", "'1D±5Dm' has no standard deviation above 0 behind ±"),
+            (LENGTH, "1 ± auto", "'1±auto' has no standard deviation above 0 behind ±"),
             (real(0.0, 10.0), "11 ± 1", "11 is outside the range: 0 to 10"),
             (real(0.0, 10.0), "5..2", "'5..2' is empty: the first number must be the smaller one"),
             (real(0.0, 10.0), "2..50", "50 is outside the range: 0 to 10"),
