@@ -54,6 +54,7 @@ pub fn read_pcd(bytes: &[u8], monitor: &dyn Monitor) -> Result<Cloud, InputError
 pub(super) fn thin_pcd(bytes: &[u8], cube: Option<f64>, monitor: &dyn Monitor) -> Result<Cloud, InputError> {
     let header = Header::read(bytes)?;
     let columns = header.columns()?;
+    header.check_kinds(&columns)?;
     let mut points = Points::of(&header, cube, monitor);
     let body = &bytes[header.data..];
     match header.encoding {
@@ -97,8 +98,7 @@ struct Points<'m> {
 impl<'m> Points<'m> {
     /// None yet, with the columns that tell trees apart.
     fn of(header: &Header, cube: Option<f64>, monitor: &'m dyn Monitor) -> Self {
-        let is_one = |&at: &usize| header.fields[at].count == 1 && is_read(&header.fields[at].name);
-        let fields: Vec<usize> = (0..header.fields.len()).filter(is_one).collect();
+        let fields = header.of_trees();
         let names = fields.iter().map(|&at| header.fields[at].name.clone());
         Self { all: Gathering::new(names, cube, monitor), fields }
     }
@@ -180,17 +180,32 @@ impl Header {
             let Some(found) = found else {
                 return Err(whole(&format!("it has no field {name}; FIELDS must name x, y and z")));
             };
-            let Field { size, kind, .. } = self.fields[found];
-            let is_known = matches!((kind, size), ('F', 4 | 8) | ('I' | 'U', 1 | 2 | 4));
-            if self.encoding != Encoding::Ascii && !is_known {
-                return Err(whole(&format!(
-                    "its field {name} is of type {} of {size} bytes; expected F 4 or F 8",
-                    quoted(&kind.to_string())
-                )));
-            }
             *column = found;
         }
         Ok(columns)
+    }
+
+    /// The fields that tell trees apart.
+    fn of_trees(&self) -> Vec<usize> {
+        let is_one = |&at: &usize| self.fields[at].count == 1 && is_read(&self.fields[at].name);
+        (0..self.fields.len()).filter(is_one).collect()
+    }
+
+    /// Whether the numbers of all fields that are read are of a kind that there is; as text they are of any.
+    fn check_kinds(&self, columns: &[usize]) -> Result<(), InputError> {
+        for at in columns.iter().copied().chain(self.of_trees()) {
+            let Field { name, size, kind, .. } = &self.fields[at];
+            let is_known = matches!((kind, size), ('F', 4 | 8) | ('I' | 'U', 1 | 2 | 4 | 8));
+            if self.encoding != Encoding::Ascii && !is_known {
+                return Err(whole(&format!(
+                    "its field {} is of type {} of {size} bytes; expected F of 4 or 8, or I or U of 1, 2, 4 or 8: \
+                     save it again",
+                    quoted(name),
+                    quoted(&kind.to_string())
+                )));
+            }
+        }
+        Ok(())
     }
 
     fn row_bytes(&self) -> usize {
@@ -275,9 +290,11 @@ fn scalar(bytes: &[u8], kind: char) -> Option<f64> {
         ('I', 1) => i8::from_le_bytes(bytes.try_into().ok()?).into(),
         ('I', 2) => i16::from_le_bytes(bytes.try_into().ok()?).into(),
         ('I', 4) => i32::from_le_bytes(bytes.try_into().ok()?).into(),
+        ('I', 8) => i64::from_le_bytes(bytes.try_into().ok()?) as f64,
         ('U', 1) => bytes[0].into(),
         ('U', 2) => u16::from_le_bytes(bytes.try_into().ok()?).into(),
         ('U', 4) => u32::from_le_bytes(bytes.try_into().ok()?).into(),
+        ('U', 8) => u64::from_le_bytes(bytes.try_into().ok()?) as f64,
         _ => return None,
     })
 }
@@ -421,6 +438,32 @@ mod tests {
                 bytes[at] ^= 0x31;
                 let _ = read_pcd(&bytes, &Quiet);
             }
+        }
+    }
+
+    #[test]
+    fn labels_are_read_whatever_whole_numbers_they_are() {
+        let points = points(3);
+        let read = |size: usize, kind: &str| {
+            let head = String::from_utf8(header(3, "binary")).unwrap();
+            let head = head
+                .replace("SIZE 1", &format!("SIZE {size}"))
+                .replace("TYPE U F", &format!("TYPE {kind} F"));
+            let rows = points.iter().flat_map(|point| {
+                let [label, place @ ..] = columns(point);
+                [&[label, vec![0; size - 1]].concat()[..], &place.concat()].concat()
+            });
+            read_pcd(&head.into_bytes().into_iter().chain(rows).collect::<Vec<_>>(), &Quiet)
+        };
+        for (size, kind) in [(1, "I"), (1, "U"), (2, "I"), (2, "U"), (4, "I"), (4, "U"), (8, "I"), (8, "U")] {
+            let cloud = read(size, kind).unwrap();
+            assert_eq!(cloud.positions, points, "{kind} {size}");
+            assert_eq!(cloud.trees[0].counts(), vec![(7, 3)], "{kind} {size}");
+        }
+        for (size, kind) in [(3, "U"), (16, "I"), (2, "F"), (4, "X")] {
+            let error = read(size, kind).unwrap_err().to_string();
+            let said = format!("its field 'label' is of type '{kind}' of {size} bytes; expected F of 4 or 8");
+            assert!(error.contains(&said), "{error}");
         }
     }
 
