@@ -1,13 +1,48 @@
 //! Headers of tables of cylinders: which column is what, whose table it is, and what it lacks.
 
-use super::cylinders::CylinderDialect;
-use super::quoted;
+use super::{Up, quoted};
 use crate::knob::excerpt;
 
 /// Names that are taken, without unit and in small letters.
 const PARENT: [&str; 3] = ["parentid", "parent_id", "parent"];
 const RADIUS: [&str; 3] = ["radius_m", "radius", "radius_cyl"];
 const LENGTH: [&str; 2] = ["length_m", "length"];
+
+/// The program whose habits a table of cylinders follows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CylinderDialect {
+    /// Ours.
+    Linden,
+    /// `SimpleForest`'s detailed table.
+    SimpleForest,
+    /// rTwig's standard table.
+    Rtwig,
+    /// aRchi's table of a QSM.
+    Archi,
+    /// `TreeQSM`'s text.
+    TreeQsm,
+    /// The tree file of raycloudtools.
+    Raycloudtools,
+}
+
+impl CylinderDialect {
+    /// The program's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Linden => "linden",
+            Self::SimpleForest => "SimpleForest",
+            Self::Rtwig => "rTwig",
+            Self::Archi => "aRchi",
+            Self::TreeQsm => "TreeQSM",
+            Self::Raycloudtools => "raycloudtools",
+        }
+    }
+
+    /// Which way is up in it.
+    pub const fn up(self) -> Up {
+        if matches!(self, Self::Linden) { Up::Y } else { Up::Z }
+    }
+}
 
 /// Which column is what.
 pub(super) struct Header {

@@ -9,7 +9,8 @@ use std::io::Read;
 use flate2::read::ZlibDecoder;
 use glam::DVec3;
 
-use super::cylinders::{CylinderDialect, CylinderRow, CylinderTable, Found, TooLarge};
+use super::cylinder_header::CylinderDialect;
+use super::cylinder_table::{CylinderRow, CylinderTable, Found, TooLarge};
 use super::{InputError, READING, READING_ADVICE, in_range};
 use crate::memory::{bytes_grown, bytes_of};
 use crate::monitor::Monitor;

@@ -12,6 +12,7 @@
 mod cloud;
 mod crs;
 mod cylinder_header;
+mod cylinder_table;
 mod cylinders;
 mod e57;
 mod gather;
@@ -35,7 +36,9 @@ use glam::DVec3;
 
 pub use cloud::{Cloud, LeafColumn, Thinned, TreeColumn, UnnumberedColumn};
 pub use crs::MapUnits;
-pub use cylinders::{CylinderDialect, CylinderRow, CylinderTable, read_cylinders};
+pub use cylinder_header::CylinderDialect;
+pub use cylinder_table::{CylinderRow, CylinderTable};
+pub use cylinders::read_cylinders;
 pub use e57::read_e57;
 pub use gather::ThinError;
 pub use geotiff::read_geotiff;
