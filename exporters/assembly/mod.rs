@@ -35,7 +35,6 @@ use linden_pipeline::scene::Bounds;
 
 pub use ages::{AgeFile, AgeSet};
 
-use crate::usda::payloads;
 use crate::{Bundle, ExportError};
 
 /// Files of plants, and where they stand.
@@ -104,15 +103,6 @@ impl Assembly {
             front -= depth;
         }
         Self { name: name.into(), members, places }
-    }
-
-    /// Writes an OpenUSD layer as text: an assembly, with a component for each place that holds the file as its
-    /// payload. What stands in several places is instanceable.
-    ///
-    /// # Errors
-    /// [`ExportError::Io`] and [`ExportError::Cancelled`].
-    pub fn write_usd(&self, bundle: &mut Bundle, monitor: &dyn Monitor) -> Result<(), ExportError> {
-        payloads::write(self, bundle, monitor)
     }
 
     /// Writes a tileset of 3D Tiles 1.1: a quadtree whose leaves are the glTF files at their places. 3D Tiles are

@@ -14,12 +14,15 @@ use super::syntax::{identifier, quoted};
 use crate::assembly::{Assembly, Box3, Member, MemberPlace};
 use crate::{Bundle, ExportError, GENERATOR};
 
-pub(crate) fn write(
-    assembly: &Assembly,
-    bundle: &mut Bundle,
-    monitor: &dyn Monitor,
-) -> Result<(), ExportError> {
-    bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), assembly))
+impl Assembly {
+    /// Writes an OpenUSD layer as text: an assembly, with a component for each place that holds the file as its
+    /// payload. What stands in several places is instanceable.
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] and [`ExportError::Cancelled`].
+    pub fn write_usd(&self, bundle: &mut Bundle, monitor: &dyn Monitor) -> Result<(), ExportError> {
+        bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), self))
+    }
 }
 
 /// What stands before the first prim, `root`, of a layer that names others.
