@@ -94,6 +94,7 @@ pub use profile::{PROFILES, Profile};
 pub use recipe::Readable;
 pub use registry::{REGISTRY, Registry, USUAL, exporters, find, for_path, recipe_in, writers};
 pub use traces::Traces;
+pub use usda::ages::UsdForm;
 
 /// What wrote a file, as files say it: `linden 0.2.0 (abc1234)`.
 pub const GENERATOR: &str = linden_pipeline::recipe::PROGRAM;

@@ -13,17 +13,49 @@ use super::syntax::{identifier, quoted};
 use crate::assembly::{AgeFile, AgeSet};
 use crate::{Bundle, ExportError, GENERATOR};
 
-pub(crate) fn write(
-    set: &AgeSet,
-    is_binary: bool,
-    bundle: &mut Bundle,
-    monitor: &dyn Monitor,
-) -> Result<(), ExportError> {
-    if is_binary {
-        let bytes = Layer::binary(monitor, |layer| write_layer(layer, set))?;
-        return bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes));
+/// How a layer of OpenUSD is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UsdForm {
+    /// As text, `.usda`.
+    Text,
+    /// In binary, `.usdc`.
+    Binary,
+}
+
+impl AgeSet {
+    /// Writes an OpenUSD layer in which ages are the variants of the set `age`, each with its file as a payload.
+    ///
+    /// ```
+    /// use linden_exporters::{AgeFile, AgeSet, Bundle, UsdForm};
+    /// use linden_pipeline::Quiet;
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let file = |age: &str| AgeFile { age: age.to_owned(), file: format!("./ash_{age}.usda"), bounds: None };
+    /// let ages = AgeSet { name: "ash".to_owned(), ages: vec![file("young"), file("old")] };
+    /// let folder = tempfile::tempdir()?;
+    /// let mut bundle = Bundle::create(&folder.path().join("ash.usda"))?;
+    /// ages.write_usd(UsdForm::Text, &mut bundle, &Quiet)?;
+    /// let files = bundle.commit()?;
+    /// assert!(std::fs::read_to_string(&files[0].path)?.contains("variantSet \"age\""));
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] and [`ExportError::Cancelled`].
+    pub fn write_usd(
+        &self,
+        form: UsdForm,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        match form {
+            UsdForm::Text => bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), self)),
+            UsdForm::Binary => {
+                let bytes = Layer::binary(monitor, |layer| write_layer(layer, self))?;
+                bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
+            }
+        }
     }
-    bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), set))
 }
 
 fn write_layer(layer: &mut Layer<'_, '_>, set: &AgeSet) -> Result<(), ExportError> {

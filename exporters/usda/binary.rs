@@ -14,7 +14,7 @@ use crate::options::Options;
 use crate::usdc::Names;
 use crate::writing::distinct::MeshPart;
 use crate::writing::lightmap::LIGHTMAP_UV;
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, Gatherer, Holds, Readable, Traces};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Gatherer, Holds, Readable, Traces, UsdForm};
 
 /// OpenUSD in binary.
 pub(crate) struct Usdc;
@@ -38,7 +38,7 @@ impl Exporter for Usdc {
     }
 
     fn gatherer(&self) -> Option<Gatherer> {
-        Some(|ages, bundle, monitor| ages.write_usd(true, bundle, monitor))
+        Some(|ages, bundle, monitor| ages.write_usd(UsdForm::Binary, bundle, monitor))
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {

@@ -69,8 +69,8 @@ use crate::writing::lightmap::{self, LIGHTMAP_UV, Sharing};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, memory, note_asked};
 use crate::{
-    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Gatherer, Holds, Readable, Sink, Traces,
-    recipe, traces,
+    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Gatherer, Holds, LooksIn, Readable, Sink,
+    Traces, UsdForm, recipe, traces,
 };
 
 const MATERIALX: OptionSpec = OptionSpec::switch(
@@ -306,7 +306,7 @@ impl Exporter for Usda {
     }
 
     fn gatherer(&self) -> Option<Gatherer> {
-        Some(|ages, bundle, monitor| ages.write_usd(false, bundle, monitor))
+        Some(|ages, bundle, monitor| ages.write_usd(UsdForm::Text, bundle, monitor))
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
