@@ -151,20 +151,12 @@ impl Exporter for Gltf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLTF, bundle);
-        note_asked(stage, options, bundle);
-        collision::note(stage, options, bundle);
-        let distinct = distinct(stage, options, bundle, monitor)?;
-        note_translucency(&distinct, stage, options, bundle);
-        let pictures = pictures(&distinct, options, bundle);
-        memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
+        let Prepared { distinct, pictures, mut layout } = Prepared::new(stage, options, bundle, monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let wind_as = wind_as(&distinct, options, bundle, monitor)?;
-        let is_quantized = is_quantized(&distinct, options, bundle);
-        let mut layout = Layout::of_meshes(stage, &distinct, &pictures, is_quantized, wind_as);
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
             let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
@@ -195,6 +187,34 @@ impl Exporter for Gltf {
 
 fn distinct<'a>(
     stage: &'a Stage<'_>,
+/// What a file of either form begins with: meshes and pictures, and the buffer that is laid out for them.
+struct Prepared<'a> {
+    distinct: DistinctMeshes<'a>,
+    pictures: Vec<NamedPicture<'a>>,
+    layout: Layout,
+}
+
+impl<'a> Prepared<'a> {
+    /// Prepares a stage; what the user should know goes to the bundle, and so do pictures that vertices name.
+    fn new(
+        stage: &'a Stage<'_>,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ExportError> {
+        note_asked(stage, options, bundle);
+        collision::note(stage, options, bundle);
+        let distinct = distinct(stage, options, bundle, monitor)?;
+        note_translucency(&distinct, stage, options, bundle);
+        let pictures = pictures(&distinct, options, bundle);
+        memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
+        let wind_as = wind_as(&distinct, options, bundle, monitor)?;
+        let is_quantized = is_quantized(&distinct, options, bundle);
+        let layout = Layout::of_meshes(stage, &distinct, &pictures, is_quantized, wind_as);
+        Ok(Self { distinct, pictures, layout })
+    }
+}
+
     options: &Options,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
@@ -324,15 +344,7 @@ impl<'a> Binary<'a> {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
-        note_asked(stage, options, bundle);
-        collision::note(stage, options, bundle);
-        let distinct = distinct(stage, options, bundle, monitor)?;
-        note_translucency(&distinct, stage, options, bundle);
-        let pictures = pictures(&distinct, options, bundle);
-        memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
-        let wind_as = wind_as(&distinct, options, bundle, monitor)?;
-        let is_quantized = is_quantized(&distinct, options, bundle);
-        let mut layout = Layout::of_meshes(stage, &distinct, &pictures, is_quantized, wind_as);
+        let Prepared { distinct, pictures, mut layout } = Prepared::new(stage, options, bundle, monitor)?;
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;
