@@ -5,7 +5,7 @@
 //! knows no such files; whatever ends the program, nothing of them remains, or the next run sweeps it.
 //! Standard output, pipes and devices are the exception: their bytes go out as they are made, because a
 //! reader should not have to wait and there is nothing to put back. Files [in memory](Bundle::in_memory) are given to the
-//! caller, who puts them where he likes.
+//! caller, which puts them where it likes.
 //!
 //! Every call of the operating system goes through [`file_system::FileSystem`].
 

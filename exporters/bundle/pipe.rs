@@ -1,4 +1,4 @@
-//! Pipes and devices as targets: never waited for without an ear for who has changed their mind.
+//! Pipes and devices as targets: never waited for without listening for a user who has changed their mind.
 //!
 //! Opening a pipe that is not read blocks, and so does writing to one whose reader has fallen asleep;
 //! both would be deaf to Ctrl-C. So neither is done before the system says that it will not block.

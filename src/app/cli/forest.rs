@@ -153,7 +153,7 @@ pub(super) struct Written<'a> {
     pub outputs: &'a Outputs,
     /// `FORMAT.OPTION` and value.
     pub of_formats: &'a [(String, String)],
-    /// What who named neither file nor format could have typed.
+    /// A command that would have named file and format: advice where both are missing.
     pub command: String,
     /// What stands around.
     pub scene: &'a SceneFlags,

@@ -204,7 +204,7 @@ fn place_of(path: &Path) -> Option<(PathBuf, OsString)> {
     Some((fs::canonicalize(directory_of(path)).ok()?, path.file_name()?.to_owned()))
 }
 
-/// What a path that is being typed may go on to be, sorted. Hidden names only for who asks for them;
+/// What a path that is being typed may go on to be, sorted. Hidden names only where their dot is typed;
 /// names that are not Unicode cannot be typed.
 fn completions(typed: &str, home: Option<&Path>, watcher: &dyn Monitor) -> Result<Vec<String>, Cancelled> {
     let end = typed.rfind(std::path::is_separator).map_or(0, |at| at + 1);

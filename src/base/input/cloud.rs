@@ -15,7 +15,7 @@ pub struct Cloud {
     /// Columns that tell trees apart, the likeliest first.
     pub trees: Vec<TreeColumn>,
     /// Columns with a name like theirs that seem to number classes, such as wood and leaf: their numbers lie at the same
-    /// places. They tell trees apart for who names them.
+    /// places. They tell trees apart where they are asked for by name.
     pub classes: Vec<TreeColumn>,
     /// Columns with a name like theirs whose values number nothing.
     pub unnumbered: Vec<UnnumberedColumn>,

@@ -43,7 +43,7 @@ pub struct AxisPath {
 pub enum AxisRoot {
     /// A stem of the tree as grown.
     Stem(u32),
-    /// What an edit added: the how-manieth that adds something.
+    /// What an edit added: 1 is the first edit that adds something.
     New(u32),
 }
 
@@ -120,7 +120,7 @@ pub struct AxisPaths {
     ends: Vec<u32>,
     /// Parent axis of each axis, [`NO_PARENT`] of stems.
     parents: Vec<u32>,
-    /// The how-manieth lateral (or stem) each axis is, from 1.
+    /// For each axis its number among the laterals of its parent, or among stems, from 1.
     numbers: Vec<u32>,
     /// Of each axis whether it is side wood.
     are_side_wood: Vec<bool>,
