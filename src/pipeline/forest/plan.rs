@@ -161,12 +161,11 @@ impl Forest {
     fn trees(&self, key: Key) -> Vec<PlannedTree> {
         let mut trees: Vec<PlannedTree> = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
-            let preset = &kind.recipe.preset;
             let kind_name = kind_name(&kind.recipe);
             // The same preset may be there twice, with other settings.
             let before = self.kinds[..index]
                 .iter()
-                .filter(|earlier| earlier.recipe.preset.name == preset.name)
+                .filter(|earlier| self::kind_name(&earlier.recipe) == kind_name)
                 .count();
             for number in 0..self.layout.distinct {
                 let mut recipe = kind.recipe.clone();
@@ -253,6 +252,22 @@ mod tests {
             names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1),
             "{names:?}"
         );
+    }
+
+    #[test]
+    fn trees_are_numbered_within_what_their_kind_is_called() {
+        let unnamed = |id: &str| {
+            let mut recipe = Recipe::new(builtin("fir").unwrap().load().unwrap());
+            (recipe.preset.id, recipe.preset.name) = (id.to_owned(), " ".to_owned());
+            recipe
+        };
+        let mut forest = Forest::of(vec![unnamed("a"), unnamed("b"), unnamed("a")]);
+        for (knob, value) in [("trees", "30"), ("distinct", "1")] {
+            forest.layout.set(knob, value).unwrap();
+        }
+        let names: Vec<String> =
+            forest.plan(&Quiet).unwrap().trees.into_iter().map(|tree| tree.name).collect();
+        assert_eq!(names, ["a 1", "b 1", "a 2"]);
     }
 
     #[test]
