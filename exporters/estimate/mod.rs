@@ -1,7 +1,9 @@
 //! How large files will be, from the skeleton alone: told before anything is dressed or written.
 //!
 //! Triangles and vertices are counted, bytes follow from these and from what each format was measured to
-//! need. A test holds the sum for every built-in preset and format within 30 % of the real files.
+//! need. A test holds them within 30 % of real files, of which it writes a sample: each built-in preset (of those of more than
+//! 300,000 triangles every third) in every eighth of all formats with one option turned, other eighths for the next preset;
+//! trees of more than 30,000 triangles without options. Files of less than 32 KiB are not compared.
 
 mod amounts;
 mod level;

@@ -84,14 +84,30 @@ fn all_files(triangles: u64) -> Vec<(&'static dyn Exporter, Options)> {
     files.collect()
 }
 
+/// Estimates beside what they are of.
+#[derive(Default)]
+struct Compared {
+    trees: usize,
+    /// Files large enough to be compared.
+    files: usize,
+    /// Those that are off.
+    faults: Vec<String>,
+}
+
+impl Compared {
+    fn and(mut self, other: Self) -> Self {
+        self.faults.extend(other.faults);
+        Self { trees: self.trees + other.trees, files: self.files + other.files, faults: self.faults }
+    }
+}
+
 /// Counts a tree, writes it to the files whose turn it is, and says which estimates are off.
-fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
+fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Compared {
     let mut faults = Vec::new();
-    // What grows in a mesh needs its file.
-    let Ok(grown) = grow(recipe, &Quiet) else { return faults };
+    let grown = grow(recipe, &Quiet).unwrap_or_else(|error| panic!("{what}: {error}"));
     let estimate = Estimate::new(recipe, &grown, &Quiet).unwrap();
     if estimate.triangles > VERY_LARGE && !turn.tree.is_multiple_of(3) {
-        return faults;
+        return Compared::default();
     }
     let levels = levels(recipe, &grown, &Quiet).unwrap();
     let finest = &levels.levels[0].scene;
@@ -108,6 +124,7 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
     if is_counted && (estimate.vertices, estimate.triangles) != (vertices, triangles) {
         faults.push(format!("{what}: {estimate:?} is not {vertices} vertices, {triangles} triangles"));
     }
+    let mut files = 0;
     let its = all_files(triangles).into_iter().enumerate().filter(|&(file, _)| turn.has(file));
     for (_, (exporter, options)) in its {
         let format = exporter.format();
@@ -123,20 +140,23 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Vec<String> {
         };
         // A file of a few pages is mostly what stands around the tree.
         if real > 32_768 {
+            files += 1;
             let values: Vec<String> = options.iter().map(|(_, v)| v.to_string()).collect();
             let what = format!("{what} as {} {}", format.id, values.join(" "));
             faults.extend(off(&what, estimate.bytes(format, &options).unwrap(), real));
         }
     }
-    faults
+    Compared { trees: 1, files, faults }
 }
 
 #[test]
 fn estimates_are_near_the_real_files() {
-    let faults = builtins().par_iter().enumerate().flat_map_iter(|(tree, builtin)| {
-        all_off(builtin.id, Turn { tree, trees: 8 }, &Recipe::new(builtin.load().unwrap()))
+    let each = builtins().par_iter().enumerate().map(|(tree, builtin)| {
+        all_off(builtin.id, Turn { tree, trees: 8 }, &builtin.recipe(&Quiet).unwrap())
     });
-    assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
+    let all = each.reduce(Compared::default, Compared::and);
+    assert_eq!(all.faults, [""; 0]);
+    assert!(all.trees >= 70 && all.files >= 450, "of {} trees {} files", all.trees, all.files);
 }
 
 #[test]
@@ -153,7 +173,7 @@ fn budgets_levels_and_wind_are_estimated_too() {
     let plants = ["oak", "dressed-fir", "box"];
     // Each case has every second file with one of the plants, the next case the others.
     let all = (0..plants.len()).flat_map(|plant| (0..cases.len()).map(move |case| (plant, case)));
-    let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(plant, case)| {
+    let each = all.collect::<Vec<_>>().into_par_iter().map(|(plant, case)| {
         let (id, knobs) = (plants[plant], cases[case]);
         let turn = Turn { tree: plant + plants.len() * case, trees: 2 * plants.len() };
         let mut preset = linden_pipeline::preset::builtin(id).unwrap().load().unwrap();
@@ -162,7 +182,9 @@ fn budgets_levels_and_wind_are_estimated_too() {
         }
         all_off(&format!("{id} {knobs:?}"), turn, &Recipe::new(preset))
     });
-    assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
+    let all = each.reduce(Compared::default, Compared::and);
+    assert_eq!(all.faults, [""; 0]);
+    assert_eq!(all.trees, plants.len() * cases.len());
 }
 
 #[test]
