@@ -382,14 +382,11 @@ fn whole_bounds(stage: &Stage<'_>) -> Option<Bounds> {
 pub fn default_name(id: &str, exporter: &dyn Exporter) -> String {
     let format = exporter.format();
     let stem = plain_stem(id);
-    match format.extensions.first() {
-        Some(ending) => format!("{stem}.{ending}"),
-        // A second flavour of an ending: `ply-skeleton`.
-        None => {
-            let (ending, flavour) = format.id.split_once('-').unwrap_or((format.id, "flavour"));
-            format!("{stem}-{flavour}.{ending}")
-        }
-    }
+    let ending = format.usual_ending();
+    // A second flavour of an ending: `ply-skeleton`.
+    let is_flavour = format.extensions.is_empty();
+    let flavour = format.id.split_once('-').map_or("flavour", |(_, flavour)| flavour);
+    if is_flavour { format!("{stem}-{flavour}.{ending}") } else { format!("{stem}.{ending}") }
 }
 
 /// An id as the beginning of a file's name.

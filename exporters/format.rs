@@ -67,6 +67,13 @@ impl Format {
         self.extensions.iter().copied().filter(ends).max_by_key(|ending| ending.len())
     }
 
+    /// The ending of a file that nobody has named: the usual one; of a second flavour of another format (`ply-skeleton`), that
+    /// one's.
+    pub fn usual_ending(&self) -> &'static str {
+        let of_flavour = || self.id.split_once('-').map_or(self.id, |(of, _)| of);
+        self.extensions.first().copied().unwrap_or_else(of_flavour)
+    }
+
     /// What becomes of a plant's seasons.
     pub const fn seasons(&self) -> LooksIn {
         self.holds.seasons
@@ -180,6 +187,47 @@ mod tests {
     use linden_pipeline::grow::grow;
     use linden_pipeline::preset::builtin;
     use linden_pipeline::recipe::Recipe;
+    #[test]
+    fn every_format_has_a_usual_ending_that_is_its_own_or_its_kinds() {
+        for format in REGISTRY.iter().map(|exporter| exporter.format()) {
+            let ending = format.usual_ending();
+            let of = crate::for_path(std::path::Path::new(&format!("tree.{ending}"))).unwrap().format();
+            assert!(format.extensions.contains(&ending) || format.extensions.is_empty(), "{}", format.id);
+            assert!(format.id == of.id || format.id.starts_with(of.id), "{} {ending} {}", format.id, of.id);
+        }
+        assert_eq!(crate::find("ply-skeleton").unwrap().format().usual_ending(), "ply");
+    }
+
+    #[test]
+    fn levels_are_where_the_options_of_a_format_say() {
+        use crate::LooksIn::{Files, Nothing, One};
+        let cases = [
+            ("glb", "lods", "msft", One),
+            ("gltf", "lods", "siblings", One),
+            ("glb", "lods", "files", Files),
+            ("usda", "lods", "variants", One),
+            ("usdz", "lods", "files", Files),
+            ("usdc", "nanite", "static", Nothing),
+            ("usda", "nanite", "skeletal", Nothing),
+            ("usda", "nanite", "none", One),
+        ];
+        for (id, name, word, expected) in cases {
+            let format = crate::find(id).unwrap().format();
+            let mut options = Options::new(format);
+            options.set(name, word).unwrap();
+            assert_eq!(format.levels_with(&options), expected, "{id} {name}={word}");
+        }
+        // Files of their own, of an assembly too.
+        let format = crate::find("usda").unwrap().format();
+        let mut options = Options::new(format);
+        options.set("lods", "files").unwrap();
+        options.set("nanite", "static").unwrap();
+        assert_eq!(format.levels_with(&options), Files);
+        for format in REGISTRY.iter().map(|exporter| exporter.format()) {
+            assert_eq!(format.levels_with(&Options::new(format)), format.levels(), "{}", format.id);
+        }
+    }
+
     use linden_pipeline::stage::Stage;
     use linden_pipeline::{Quiet, Wanted};
 

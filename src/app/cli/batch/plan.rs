@@ -192,5 +192,24 @@ fn address(recipe: &str, exporter: &dyn Exporter, options: &Options) -> String {
         text += &format!("\n{name}={value}");
     }
     let hash = format!("{:032x}", xxh3_128(text.as_bytes()));
-    format!("{}/{}.{}", &hash[..2], &hash[2..], format.extensions[0])
+    format!("{}/{}.{}", &hash[..2], &hash[2..], format.usual_ending())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_tree_may_be_in_every_format() {
+        let mut ids: Vec<&str> =
+            linden_exporters::REGISTRY.iter().map(|exporter| exporter.format().id).collect();
+        ids.push(Thumbnail.format().id);
+        let text = format!("formats = {ids:?}\n[[trees]]\nsource = \"simple\"\n");
+        let plan = Plan::typed(Manifest::parse(&text).unwrap(), &Progress::new()).unwrap();
+        let outputs = plan.tree(0).unwrap().outputs;
+        let paths: BTreeSet<&String> = outputs.iter().map(|(.., path)| path).collect();
+        assert_eq!(paths.len(), ids.len(), "{paths:?}");
+        let skeleton = outputs.iter().find(|(exporter, ..)| exporter.format().id == "ply-skeleton");
+        assert!(skeleton.is_some_and(|(.., path)| path.ends_with(".ply")), "{paths:?}");
+    }
 }
