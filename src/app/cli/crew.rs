@@ -37,9 +37,19 @@ pub struct Crew<'a> {
 /// Watches one of several workers: it may hold its share of the memory.
 pub struct Share<'a> {
     progress: &'a Progress,
-    /// Whether nobody wants the rest.
+    /// Whether the rest is to be skipped.
     is_over: &'a AtomicBool,
     memory: u64,
+}
+
+/// Says on every way out, errors and panics too, that the rest is to be skipped: workers would go on for nothing, or wait for
+/// ever for results to be taken.
+struct Ending<'a>(&'a AtomicBool);
+
+impl Drop for Ending<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
 }
 
 impl Monitor for Share<'_> {
@@ -78,6 +88,7 @@ impl<'a> Crew<'a> {
             (AtomicUsize::new(numbers.start), AtomicUsize::new(numbers.start), AtomicBool::new(false));
         let (sender, receiver) = mpsc::channel::<(usize, R)>();
         std::thread::scope(|scope| {
+            let _ending = Ending(&is_over);
             for _ in 0..jobs {
                 // A pool each, so that no thread that waits for a tree's parts begins another tree.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads((threads / jobs).max(1)).build();
@@ -85,7 +96,7 @@ impl<'a> Crew<'a> {
                 let share =
                     Share { progress: self.progress, is_over: &is_over, memory: self.memory / jobs as u64 };
                 let (sender, next, taken, work) = (sender.clone(), &next, &taken, &work);
-                scope.spawn(move || {
+                let work = move || {
                     while !share.is_cancelled() {
                         let ahead =
                             next.load(Ordering::Relaxed).saturating_sub(taken.load(Ordering::Relaxed));
@@ -102,12 +113,11 @@ impl<'a> Crew<'a> {
                             break;
                         }
                     }
-                });
+                };
+                std::thread::Builder::new().spawn_scoped(scope, work).context("starting threads")?;
             }
             drop(sender);
-            let done = self.hand_on(&receiver, &taken, numbers, take);
-            is_over.store(true, Ordering::Relaxed);
-            done
+            self.hand_on(&receiver, &taken, numbers, take)
         })
     }
 
@@ -145,5 +155,38 @@ impl<'a> Crew<'a> {
         }
         self.progress.check()?;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::panic::{AssertUnwindSafe, catch_unwind};
+
+    use anyhow::bail;
+
+    use super::*;
+
+    #[test]
+    fn work_ends_on_every_way_out() {
+        const ALL: usize = 2000;
+        let progress = Progress::new();
+        let crew = Crew { jobs: 2, ..Crew::of_threads(&progress) };
+        let done = |take: &dyn Fn() -> anyhow::Result<bool>| {
+            let done = AtomicUsize::new(0);
+            let work = |_: usize, _: &Share<'_>| {
+                std::thread::sleep(Duration::from_millis(1));
+                done.fetch_add(1, Ordering::Relaxed);
+            };
+            let way_out = catch_unwind(AssertUnwindSafe(|| crew.run(0..ALL, work, |()| take())));
+            (way_out, done.into_inner())
+        };
+        let (way_out, count) = done(&|| Ok(false));
+        assert!(matches!(way_out, Ok(Ok(()))) && count < ALL, "{count}");
+        let (way_out, count) = done(&|| bail!("no room"));
+        assert!(matches!(way_out, Ok(Err(_))) && count < ALL, "{count}");
+        let (way_out, count) = done(&|| panic!("a fault"));
+        assert!(way_out.is_err() && count < ALL, "{count}");
+        let (way_out, count) = done(&|| Ok(true));
+        assert!(matches!(way_out, Ok(Ok(()))) && count == ALL, "{count}");
     }
 }
