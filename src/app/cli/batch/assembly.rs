@@ -7,7 +7,7 @@ use linden::Vec3;
 use linden::scene::Bounds;
 use linden_exporters::{Assembly, Bundle, Member, ensure_spared};
 
-use super::merge::say_left_out;
+use super::part::say_left_out;
 use super::rows::Row;
 use super::table::Table;
 use crate::cli::placing::explained;

@@ -11,7 +11,7 @@ use linden::monitor::Holding;
 use linden_raster::drawing::label::Label;
 use linden_raster::{Size, Style};
 
-use super::merge::say_left_out;
+use super::part::say_left_out;
 use super::rows::Row;
 use super::thumbnail::SIZE;
 use crate::cli::placing::{PictureTarget, Placing};

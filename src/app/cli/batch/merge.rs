@@ -14,7 +14,7 @@ use super::part::{Part, ranges};
 use super::plan::Plan;
 use super::rows::{self, Row, Rows};
 use super::table::Table;
-use crate::exit::{say, sentence, usage};
+use crate::exit::{sentence, usage};
 use crate::paths::show;
 use crate::progress::Progress;
 
@@ -145,13 +145,5 @@ impl<'a> Found<'a> {
                 bail!("{failed} trees failed, {} are missing: --only {}", missing.len(), ranges(missing))
             }
         }
-    }
-}
-
-/// Says which trees something leaves out, and why.
-pub fn say_left_out(what: &str, numbers: &[usize], why: &str) {
-    if !numbers.is_empty() {
-        let (count, trees) = (numbers.len(), if numbers.len() == 1 { "tree" } else { "trees" });
-        say(&format!("note: {what} leaves out {count} {trees} {why}: {}", ranges(numbers)));
     }
 }

@@ -1,4 +1,6 @@
-//! Which trees of a batch are worked on.
+//! Which trees of a batch are worked on, and how such are named.
+
+use crate::exit::say;
 
 /// Some of the numbers from 0 to a count.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,6 +73,14 @@ pub fn ranges(numbers: &[usize]) -> String {
         .collect();
     let more = if stretches.next().is_some() { " and more" } else { "" };
     shown.join(",") + more
+}
+
+/// Says which trees something leaves out, and why.
+pub fn say_left_out(what: &str, numbers: &[usize], why: &str) {
+    if !numbers.is_empty() {
+        let (count, trees) = (numbers.len(), if numbers.len() == 1 { "tree" } else { "trees" });
+        say(&format!("note: {what} leaves out {count} {trees} {why}: {}", ranges(numbers)));
+    }
 }
 
 #[cfg(test)]
