@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use linden::Monitor;
+use linden::dress::Levels;
 use linden::season::Season;
 use linden_exporters::{Batch, Bundle, Exporter, Format, LooksIn, Options, Output, Traces, writers};
 use serde_json::Value;
 
-use super::tree::Tree;
 use crate::cli::batch::PICTURES;
 use crate::paths::show;
 use crate::reading::{self, Content};
@@ -26,8 +26,8 @@ pub enum Bytes {
     NotCompared(String),
 }
 
-/// Compares a file with what its tree gives, written with the options that show in it.
-pub fn compare(path: &Path, tree: &Tree, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
+/// Compares a file with what the levels of its tree give, written with the options that show in it.
+pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
     let mut file = BufReader::new(reading::open_regular(path)?);
     let exporters = writers(path, &mut file)?;
     if exporters.is_empty() {
@@ -41,12 +41,12 @@ pub fn compare(path: &Path, tree: &Tree, monitor: &dyn Monitor) -> anyhow::Resul
             return Ok(Bytes::NotCompared("several seasons are in it: bytes not compared".to_owned()));
         }
         for options in &traces.options {
-            let attempts = attempts(path, exporter, options, tree.levels.levels.len());
+            let attempts = attempts(path, exporter, options, levels.levels.len());
             for (pictures, attempt) in
                 places(path).flat_map(|place| attempts.iter().map(move |of| (place, of)))
             {
                 monitor.check()?;
-                match attempt.difference(path, pictures, tree, &traces, monitor)? {
+                match attempt.difference(path, pictures, levels, &traces, monitor)? {
                     Difference::None(beside) => {
                         let format = exporter.format().id;
                         let options = options.iter().map(|(name, value)| (name, value.to_string())).collect();
@@ -174,7 +174,7 @@ impl Attempt {
         &self,
         path: &Path,
         pictures: PicturePlace,
-        tree: &Tree,
+        levels: &Levels,
         traces: &Traces,
         monitor: &dyn Monitor,
     ) -> anyhow::Result<Difference> {
@@ -194,7 +194,7 @@ impl Attempt {
             })
         };
         let mut batch = Batch::open(outputs, Vec::new(), bundle)?;
-        let stage = tree.levels.stage();
+        let stage = levels.stage();
         let stage = match &traces.setting {
             Some(surroundings) => stage.surrounded(surroundings, monitor)?,
             None => stage,

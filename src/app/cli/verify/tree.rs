@@ -52,9 +52,9 @@ fn check_group(group: &Group, drawn: &Arc<DrawnPictures>, share: &Share<'_>) -> 
 
 /// A tree that was grown again.
 pub struct Tree {
-    pub source: Source,
+    source: Source,
     grown: Grown,
-    pub levels: Levels,
+    levels: Levels,
 }
 
 fn grown(mut source: Source, drawn: &Arc<DrawnPictures>, share: &Share<'_>) -> anyhow::Result<Tree> {
@@ -94,7 +94,7 @@ impl Tree {
             return row.because(other);
         }
         let holding = Holding::new(share, self.source.recipe.inputs.bytes());
-        match compare(path, self, &holding) {
+        match compare(path, &self.levels, &holding) {
             Ok(bytes) => self.judge(row, bytes, then.is_some()),
             Err(error) => {
                 row.outcome = Outcome::Failed;
