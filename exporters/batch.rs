@@ -8,7 +8,6 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use crate::collision::{COLLISION, MOST};
 use crate::{
     AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, MemoryFile,
     Options, Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
@@ -101,9 +100,7 @@ impl Output {
             let mut file = Self { path, level: Some(level), ..self.clone() };
             if level > 0 {
                 // Whoever loads all of them needs the bodies once.
-                for name in [COLLISION.knob.name, MOST.knob.name, "collision_as"] {
-                    file.options.reset(name);
-                }
+                file.options.reset_once_a_plant();
             }
             file
         };

@@ -29,6 +29,8 @@ pub struct Format {
     pub options: &'static [OptionSpec],
     /// What of a stage is in its files. An exporter notes what it has to leave out (`fit`).
     pub holds: Holds,
+    /// What becomes of levels of detail with these options; `None` where none of them changes what `holds` says.
+    pub levels_by: Option<fn(&Options) -> LooksIn>,
     /// How its bytes are made with these options: they take as long as that.
     pub encoding: fn(&Options) -> Encoding,
     /// Bytes of its files, those beside the main one included, with these options; `None` where that is not
@@ -42,16 +44,9 @@ impl Format {
         self.holds.levels
     }
 
-    /// The same with these options: some formats may have a file for each.
+    /// The same with these options: some formats may have a file for each, where the option `lods` says so.
     pub fn levels_with(&self, options: &Options) -> LooksIn {
-        let in_files = self.holds.levels == LooksIn::One && options.is_word("lods", "files");
-        // An assembly is one, of which its reader makes others.
-        let is_assembly = ["static", "skeletal"].iter().any(|word| options.is_word("nanite", word));
-        match self.holds.levels {
-            _ if in_files => LooksIn::Files,
-            LooksIn::One if is_assembly => LooksIn::Nothing,
-            looks_in => looks_in,
-        }
+        self.levels_by.map_or(self.holds.levels, |levels| levels(options))
     }
 
     /// The longest of its endings that a file's name has, in any case.
@@ -67,16 +62,16 @@ impl Format {
         self.extensions.iter().copied().filter(ends).max_by_key(|ending| ending.len())
     }
 
+    /// What becomes of a plant's seasons.
+    pub const fn seasons(&self) -> LooksIn {
+        self.holds.seasons
+    }
+
     /// The ending of a file that nobody has named: the usual one; of a second flavour of another format (`ply-skeleton`), that
     /// one's.
     pub fn usual_ending(&self) -> &'static str {
         let of_flavour = || self.id.split_once('-').map_or(self.id, |(of, _)| of);
         self.extensions.first().copied().unwrap_or_else(of_flavour)
-    }
-
-    /// What becomes of a plant's seasons.
-    pub const fn seasons(&self) -> LooksIn {
-        self.holds.seasons
     }
 }
 
@@ -187,6 +182,11 @@ mod tests {
     use linden_pipeline::grow::grow;
     use linden_pipeline::preset::builtin;
     use linden_pipeline::recipe::Recipe;
+    use linden_pipeline::stage::Stage;
+    use linden_pipeline::{Quiet, Wanted};
+
+    use crate::{Bundle, Options, REGISTRY};
+
     #[test]
     fn every_format_has_a_usual_ending_that_is_its_own_or_its_kinds() {
         for format in REGISTRY.iter().map(|exporter| exporter.format()) {
@@ -227,11 +227,6 @@ mod tests {
             assert_eq!(format.levels_with(&Options::new(format)), format.levels(), "{}", format.id);
         }
     }
-
-    use linden_pipeline::stage::Stage;
-    use linden_pipeline::{Quiet, Wanted};
-
-    use crate::{Bundle, Options, REGISTRY};
 
     /// Bytes of all files, by name.
     fn written(stage: &Stage<'_>, exporter: &dyn crate::Exporter) -> Vec<(String, Vec<u8>)> {

@@ -43,6 +43,7 @@ static FORMAT: Format = Format {
         "leaves, blossom and fruit too, on the internodes that bear them",
     )],
     holds: Holds::ORGANS,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, options| {
         let organs = if options.is_on("organs") { 165 * amounts.organs } else { 0 };

@@ -39,6 +39,7 @@ static FORMAT: Format = Format {
         OptionSpec::switch("lines", false, "the skeleton too, as lines: one per axis"),
     ],
     holds: Holds::MESH,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(estimate),
 };

@@ -11,13 +11,26 @@ pub struct OptionSpec {
     pub knob: Knob,
     /// The value when nothing is said, as a user would type it.
     pub default: &'static str,
+    /// Whether it is about what a plant has once: where each level of detail has a file, the finest alone has it.
+    pub is_once_a_plant: bool,
 }
 
 impl OptionSpec {
+    /// A setting of any kind.
+    pub const fn new(knob: Knob, default: &'static str) -> Self {
+        Self { knob, default, is_once_a_plant: false }
+    }
+
+    /// The same for what a plant has once, whatever its levels of detail.
+    #[must_use]
+    pub const fn once_a_plant(self) -> Self {
+        Self { is_once_a_plant: true, ..self }
+    }
+
     /// `true` or `false`.
     pub const fn switch(name: &'static str, default: bool, help: &'static str) -> Self {
         let knob = Knob::new(name, Kind::Switch, "", help);
-        Self { knob, default: if default { "true" } else { "false" } }
+        Self::new(knob, if default { "true" } else { "false" })
     }
 
     /// A whole number between two, both included.
@@ -27,12 +40,12 @@ impl OptionSpec {
         default: &'static str,
         help: &'static str,
     ) -> Self {
-        Self { knob: Knob::new(name, Kind::Integer { min, max }, "", help), default }
+        Self::new(Knob::new(name, Kind::Integer { min, max }, "", help), default)
     }
 
     /// One of some words, the first by default; at least one.
     pub const fn choice(name: &'static str, words: &'static [&'static str], help: &'static str) -> Self {
-        Self { knob: Knob::new(name, Kind::Choice(words), "", help), default: words[0] }
+        Self::new(Knob::new(name, Kind::Choice(words), "", help), words[0])
     }
 }
 
@@ -83,11 +96,12 @@ impl Options {
         self.change(name, text).map(|_| ())
     }
 
-    /// Puts an option that there may be back to what nobody asked for.
-    pub(crate) fn reset(&mut self, name: &str) {
-        let place = self.format.options.iter().position(|spec| spec.knob.name == name);
-        if let Some(index) = place {
-            self.values[index] = Self::new(self.format).values[index].clone();
+    /// Puts what a plant has once back to what is said of it without a word.
+    pub(crate) fn reset_once_a_plant(&mut self) {
+        let defaults = Self::new(self.format).values;
+        let places = self.format.options.iter().zip(defaults).enumerate();
+        for (index, (_, default)) in places.filter(|(_, (spec, _))| spec.is_once_a_plant) {
+            self.values[index] = default;
             self.asked[index] = false;
         }
     }

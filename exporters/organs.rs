@@ -44,6 +44,7 @@ static FORMAT: Format = Format {
         "lines with # before the header: recipe and units; off for readers that know no comments",
     )],
     holds: Holds::ORGANS,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, options| {
         let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };

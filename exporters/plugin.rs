@@ -103,6 +103,7 @@ fn known(id: &str, program: PathBuf) -> &'static Plugin {
             // It is given a GLB, and what it makes of that is not known.
             holds: Holds { recipe: false, ..Glb.format().holds },
             // How it writes, and how much, is not known either.
+            levels_by: None,
             encoding: |_| Encoding::Binary,
             estimate: None,
         };

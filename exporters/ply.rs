@@ -48,6 +48,7 @@ static MESH: Format = Format {
     options: OPTIONS,
     // Colours at the vertices.
     holds: Holds { pictures: false, normals: false, ..Holds::MESH },
+    levels_by: None,
     encoding,
     estimate: Some(|amounts, options| {
         let Amounts { vertices, triangles, recipe_bytes, .. } = *amounts;
@@ -72,6 +73,7 @@ static SKELETON: Format = Format {
     help: "the axial tree: nodes with radius, birth, parent, axis and orders, and edges between them",
     options: OPTIONS,
     holds: Holds::SKELETON,
+    levels_by: None,
     encoding,
     estimate: Some(|amounts, options| {
         // As text measured over the built-in presets; indices of edges are a small part of it.

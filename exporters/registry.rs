@@ -43,7 +43,7 @@ pub static USUAL: &dyn Exporter = &gltf::Glb;
 /// # struct Tips;
 /// # static FORMAT: Format = Format {
 /// #     id: "tips", name: "", extensions: &["tips"], media_type: "text/plain", self_contained: true, help: "",
-/// #     options: &[], holds: Holds::SKELETON, encoding: |_| Encoding::Text, estimate: None,
+/// #     options: &[], holds: Holds::SKELETON, levels_by: None, encoding: |_| Encoding::Text, estimate: None,
 /// # };
 /// # impl Exporter for Tips {
 /// #     fn format(&self) -> &'static Format { &FORMAT }

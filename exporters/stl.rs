@@ -42,6 +42,7 @@ static FORMAT: Format = Format {
         recipe: false,
         ..Holds::SKELETON
     },
+    levels_by: None,
     encoding: |_| Encoding::Binary,
     estimate: Some(|amounts, _| HEADER as u64 + 4 + TRIANGLE as u64 * amounts.triangles),
 };

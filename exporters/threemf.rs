@@ -37,6 +37,7 @@ static FORMAT: Format = Format {
         seasons: LooksIn::Files,
         ..Holds::SKELETON
     },
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, _| {
         // `<vertex x="" y="" z=""/>` and `<triangle v1="" v2="" v3=""/>`. Of wood two thirds of the vertices at most

@@ -19,7 +19,8 @@ pub(crate) const COLLISION: OptionSpec = OptionSpec::choice(
     &["none", "capsules", "hull"],
     "shapes for physics: capsules along thick wood, within a quarter of its radius; or those of the trunk and one convex \
      hull of the crown",
-);
+)
+.once_a_plant();
 
 /// How many at most.
 pub(crate) const MOST: OptionSpec = OptionSpec::count(
@@ -27,7 +28,8 @@ pub(crate) const MOST: OptionSpec = OptionSpec::count(
     (1, 1000),
     "64",
     "shapes of a plant at most: the thickest wood has them",
-);
+)
+.once_a_plant();
 
 /// The shapes of a plant, where it stands at the origin.
 #[derive(Clone, Debug, Default)]

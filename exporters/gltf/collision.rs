@@ -23,7 +23,8 @@ pub(super) const AS: OptionSpec = OptionSpec::choice(
     "collision_as",
     &["omi", "unreal", "godot"],
     "how shapes for physics are told: by OMI_physics_body; as meshes called UCX_…, or NAME-convcolonly",
-);
+)
+.once_a_plant();
 
 /// Whose shapes are told by extensions.
 pub(super) const EXTENSIONS: [&str; 2] = ["OMI_physics_body", "OMI_physics_shape"];

@@ -45,7 +45,7 @@ use self::document::{
 use self::nodes::{SceneGraph, Standing};
 use self::options::{
     COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
-    is_wind_packed, note_translucency, with_lightmap,
+    is_wind_packed, levels_by, note_translucency, with_lightmap,
 };
 use self::pivots::Pivots;
 use self::quantize::Range;
@@ -96,6 +96,7 @@ static GLTF: Format = Format {
         collision::AS,
     ],
     holds: HOLDS,
+    levels_by: Some(levels_by),
     encoding,
     estimate: Some(estimate),
 };
@@ -122,6 +123,7 @@ static GLB: Format = Format {
         collision::AS,
     ],
     holds: HOLDS,
+    levels_by: Some(levels_by),
     encoding,
     estimate: Some(estimate),
 };
@@ -185,8 +187,6 @@ impl Exporter for Gltf {
     }
 }
 
-fn distinct<'a>(
-    stage: &'a Stage<'_>,
 /// What a file of either form begins with: meshes and pictures, and the buffer that is laid out for them.
 struct Prepared<'a> {
     distinct: DistinctMeshes<'a>,
@@ -215,6 +215,8 @@ impl<'a> Prepared<'a> {
     }
 }
 
+fn distinct<'a>(
+    stage: &'a Stage<'_>,
     options: &Options,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,

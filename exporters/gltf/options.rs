@@ -2,10 +2,10 @@
 
 use linden_pipeline::stage::Stage;
 
-use crate::Bundle;
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::lightmap::LIGHTMAP_UV;
+use crate::{Bundle, LooksIn};
 
 pub const PICTURES: OptionSpec =
     OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
@@ -43,6 +43,11 @@ pub const LODS: OptionSpec = OptionSpec::choice(
     "levels of detail: by MSFT_lod, of which many programs show the finest alone; as nodes NAME_LOD0, NAME_LOD1 side by \
      side, which Unity and Unreal group; a file each",
 );
+
+/// What becomes of levels.
+pub fn levels_by(options: &Options) -> LooksIn {
+    if options.is_word(LODS.knob.name, "files") { LooksIn::Files } else { LooksIn::One }
+}
 
 pub const WIND_AS: OptionSpec = OptionSpec::choice(
     "wind_as",

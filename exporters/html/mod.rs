@@ -55,6 +55,7 @@ static FORMAT: Format = Format {
         ),
     ],
     holds: Holds { setting: false, translucency: false, ..Holds::SCENE },
+    levels_by: None,
     encoding: gltf::encoding,
     estimate: Some(estimate),
 };

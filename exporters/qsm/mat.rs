@@ -34,6 +34,7 @@ static FORMAT: Format = Format {
     help: "cylinders as TreeQSM keeps them, for MATLAB, Octave, R and scipy: QSM.cylinder, metres, Z up",
     options: &[OptionSpec::switch("recipe", true, "the recipe too, as the variable linden_recipe")],
     holds: Holds::SKELETON,
+    levels_by: None,
     encoding: |_| Encoding::Binary,
     estimate: Some(|amounts, options| {
         let recipe = if options.is_on("recipe") { 2 * amounts.recipe_bytes + 100 } else { 0 };

@@ -60,6 +60,7 @@ static FORMAT: Format = Format {
         ),
     ],
     holds: Holds::SKELETON,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, options| {
         let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };

@@ -8,7 +8,8 @@ use linden_pipeline::stage::{Stage, Surroundings};
 use super::layer::Layer;
 use super::payload::{self, Split};
 use super::{
-    COLLISION, MOST, OPTIONS, bones, estimate, flavored, mesh, nanite, plant, write_beside, write_layer,
+    COLLISION, MOST, OPTIONS, bones, estimate, flavored, levels_by, mesh, nanite, plant, write_beside,
+    write_layer,
 };
 use crate::options::Options;
 use crate::usdc::Names;
@@ -28,6 +29,7 @@ static FORMAT: Format = Format {
     help: "what usda holds in a quarter of its bytes, which programs map into memory; pictures lie beside it",
     options: &OPTIONS,
     holds: Holds::SCENE,
+    levels_by: Some(levels_by),
     encoding: |_| Encoding::Binary,
     estimate: Some(estimate::binary_bytes),
 };

@@ -94,6 +94,15 @@ const LODS: OptionSpec = OptionSpec::choice(
     "levels of detail: variants of the set lod; or a file each, for programs that let nobody choose",
 );
 
+/// What becomes of levels: an assembly is one, of which its reader makes others.
+fn levels_by(options: &Options) -> LooksIn {
+    match Nanite::asked(options) {
+        _ if options.is_word(LODS.knob.name, "files") => LooksIn::Files,
+        Some(_) => LooksIn::Nothing,
+        None => LooksIn::One,
+    }
+}
+
 const PROXY: OptionSpec = OptionSpec::switch(
     "proxy",
     false,
@@ -130,6 +139,7 @@ static FORMAT: Format = Format {
     help: "for film pipelines: mesh, UsdPreviewSurface and the skeleton as curves; pictures lie beside it",
     options: &OPTIONS,
     holds: Holds::SCENE,
+    levels_by: Some(levels_by),
     encoding: |_| Encoding::Text,
     estimate: Some(estimate::bytes),
 };
@@ -166,6 +176,7 @@ static PACKAGE: Format = Format {
         PROXY,
     ],
     holds: Holds::SCENE,
+    levels_by: Some(levels_by),
     encoding: |options| if is_binary(options) { Encoding::Binary } else { Encoding::Text },
     estimate: Some(|amounts, options| {
         if is_binary(options) {

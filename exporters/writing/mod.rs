@@ -35,6 +35,7 @@
 //!     help: "the nodes of a tree, one a line",
 //!     options: &[],
 //!     holds: Holds::SKELETON,
+//!     levels_by: None,
 //!     encoding: |_| Encoding::Text,
 //!     estimate: Some(|amounts, _| amounts.recipe_bytes + 30 * amounts.nodes),
 //! };

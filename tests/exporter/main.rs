@@ -34,6 +34,7 @@ static FORMAT: Format = Format {
     help: "a point or a triangle a line",
     options: &[OptionSpec::switch("pictures", true, "pictures beside the file")],
     holds: Holds { normals: false, ..Holds::MESH },
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(estimate),
 };

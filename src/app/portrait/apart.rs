@@ -44,21 +44,16 @@ static SHEET_FORMAT: Format = Format {
     self_contained: true,
     help: "the tree with this and the next seeds side by side, as 'linden sheet' draws them",
     options: &[
-        OptionSpec {
-            knob: Knob::new("seeds", integer(1, 1000), "", "trees, with this seed and those that follow"),
-            default: "9",
-        },
-        OptionSpec {
-            knob: Knob::new(
-                "columns",
-                integer(0, 1000),
-                "",
-                "trees in a row; 0: a sheet a little wider than high",
-            ),
-            default: "0",
-        },
-        OptionSpec { knob: Knob::new("width", SIDE, "px", "pixels in a row of a tree"), default: "240" },
-        OptionSpec { knob: Knob::new("height", SIDE, "px", "rows of pixels of a tree"), default: "288" },
+        OptionSpec::new(
+            Knob::new("seeds", integer(1, 1000), "", "trees, with this seed and those that follow"),
+            "9",
+        ),
+        OptionSpec::new(
+            Knob::new("columns", integer(0, 1000), "", "trees in a row; 0: a sheet a little wider than high"),
+            "0",
+        ),
+        OptionSpec::new(Knob::new("width", SIDE, "px", "pixels in a row of a tree"), "240"),
+        OptionSpec::new(Knob::new("height", SIDE, "px", "rows of pixels of a tree"), "288"),
         OptionSpec::choice(
             "look",
             &["auto", "skeleton", "surface", "turtle"],
@@ -68,6 +63,7 @@ static SHEET_FORMAT: Format = Format {
         OptionSpec::switch("labels", true, "its name below each tree, and what tells it from the others"),
     ],
     holds: Holds::MESH,
+    levels_by: None,
     encoding: |_| Encoding::Packed,
     estimate: None,
 };
@@ -80,14 +76,15 @@ static FOREST_FORMAT: Format = Format {
     self_contained: true,
     help: "a picture of the forest, as 'linden preview' draws it; a name in .jpg or .webp has that format",
     options: &[
-        OptionSpec { knob: Knob::new("width", SIDE, "px", "pixels in a row"), default: "1400" },
-        OptionSpec { knob: Knob::new("height", SIDE, "px", "rows of pixels"), default: "900" },
-        OptionSpec { knob: Knob::new("yaw", ANGLE, "°", "turn round the forest"), default: "30" },
-        OptionSpec { knob: Knob::new("pitch", real(-90.0, 90.0), "°", "look from above"), default: "22" },
+        OptionSpec::new(Knob::new("width", SIDE, "px", "pixels in a row"), "1400"),
+        OptionSpec::new(Knob::new("height", SIDE, "px", "rows of pixels"), "900"),
+        OptionSpec::new(Knob::new("yaw", ANGLE, "°", "turn round the forest"), "30"),
+        OptionSpec::new(Knob::new("pitch", real(-90.0, 90.0), "°", "look from above"), "22"),
         ZOOM,
         OptionSpec::choice("background", &["auto", "studio", "transparent"], "auto: the studio"),
     ],
     holds: Holds::MESH,
+    levels_by: None,
     encoding: |_| Encoding::Packed,
     estimate: None,
 };

@@ -29,25 +29,20 @@ pub(super) const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp"];
 
 const PAINTS: [&str; Paint::ALL.len()] = names(&Paint::ALL);
 
-const WIDTH: OptionSpec =
-    OptionSpec { knob: Knob::new("width", SIDE, "px", "pixels in a row"), default: "800" };
-const HEIGHT: OptionSpec =
-    OptionSpec { knob: Knob::new("height", SIDE, "px", "rows of pixels"), default: "1000" };
-const YAW: OptionSpec = OptionSpec {
-    knob: Knob::new(
+const WIDTH: OptionSpec = OptionSpec::new(Knob::new("width", SIDE, "px", "pixels in a row"), "800");
+const HEIGHT: OptionSpec = OptionSpec::new(Knob::new("height", SIDE, "px", "rows of pixels"), "1000");
+const YAW: OptionSpec = OptionSpec::new(
+    Knob::new(
         "yaw",
         real_or_auto(-360.0, 360.0),
         "°",
         "turn round the tree; auto: 30, or the broad side of a flat tree",
     ),
-    default: "auto",
-};
-const PITCH: OptionSpec =
-    OptionSpec { knob: Knob::new("pitch", real(-90.0, 90.0), "°", "look from above"), default: "8" };
-pub(super) const ZOOM: OptionSpec = OptionSpec {
-    knob: Knob::new("zoom", real(0.01, 1000.0), "", "closer (above 1) or farther (below 1)"),
-    default: "1",
-};
+    "auto",
+);
+const PITCH: OptionSpec = OptionSpec::new(Knob::new("pitch", real(-90.0, 90.0), "°", "look from above"), "8");
+pub(super) const ZOOM: OptionSpec =
+    OptionSpec::new(Knob::new("zoom", real(0.01, 1000.0), "", "closer (above 1) or farther (below 1)"), "1");
 const BACKGROUND: OptionSpec = OptionSpec::choice(
     "background",
     &["auto", "studio", "transparent"],
@@ -79,6 +74,7 @@ static PNG_FORMAT: Format = Format {
         PERSON,
     ],
     holds: Holds { levels: LooksIn::Nothing, ..Holds::MESH },
+    levels_by: None,
     encoding: |_| Encoding::Packed,
     estimate: None,
 };
@@ -92,6 +88,7 @@ static SVG_FORMAT: Format = Format {
     help: "a flat drawing as in a book, in strokes that scale; carries the recipe",
     options: &[WIDTH, HEIGHT, YAW, PITCH, ZOOM, BACKGROUND, PERSON],
     holds: Holds::ORGANS,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: None,
 };

@@ -24,6 +24,7 @@ static FORMAT: Format = Format {
     help: "nodes of the axial tree, a line each, for spreadsheets",
     options: &[],
     holds: Holds::SKELETON,
+    levels_by: None,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, _| 40 * amounts.nodes),
 };

@@ -28,6 +28,7 @@ static FORMAT: Format = Format {
     help: "a small picture, for contact sheets",
     options: &[],
     holds: Holds::SCENE,
+    levels_by: None,
     encoding: |_| Encoding::Binary,
     estimate: Some(|amounts, _| 40_000 + amounts.recipe_bytes),
 };
