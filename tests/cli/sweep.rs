@@ -212,6 +212,9 @@ fn mistakes_of_the_command_line_are_said_before_anything_grows() {
         (&["--set", "angle=20:4000:5"], "knob 'angle'"),
         (&["--set", "seed=1:5:1"], "--seeds N"),
         (&["--set", "angle=1", "--set", "angle=2"], "varied twice"),
+        (&["--age", "ancient"], "--age"),
+        (&["--age", "0.5", "--set", "derivations=4,5"], "both say how old it is"),
+        (&["--edit", "prune stem/1"], "prune"),
     ] {
         let said = folder.run(&[&["sweep", "abop-honda-a", "-o", "t.csv"], args].concat());
         assert!(said.code == Some(2) && said.err.contains(expected), "{args:?}: {}", said.err);
@@ -221,6 +224,36 @@ fn mistakes_of_the_command_line_are_said_before_anything_grows() {
     let said = folder.run(&["sweep", "fir", "--define", "r=1", "-o", "t.csv"]);
     assert!(said.code == Some(2) && said.err.contains("grows by no grammar"), "{}", said.err);
     assert!(folder.names().is_empty(), "{:?}", folder.names());
+}
+
+#[test]
+fn trees_are_of_the_age_and_have_the_edits_that_were_named() {
+    let folder = Folder::new();
+    let heights = |further: &[&str]| -> Vec<f64> {
+        let args = [&["sweep", "abop-honda-a", "--set", "angle_jitter=0,2", "-o", "-"], further].concat();
+        let table = folder.run(&args).done().out;
+        rows(&table).iter().map(|row| row["height_m"].parse().unwrap()).collect()
+    };
+    let grown = heights(&[]);
+    let young = heights(&["--age", "0.5"]);
+    assert!(young.iter().zip(&grown).all(|(young, grown)| *young < 0.9 * grown), "{young:?} {grown:?}");
+    let cut = heights(&["--edit", "cut stem 0.3"]);
+    assert!(cut.iter().zip(&grown).all(|(cut, grown)| cut < grown), "{cut:?} {grown:?}");
+    // As other commands have it.
+    let args = [
+        "stats",
+        "abop-honda-a",
+        "--set",
+        "angle_jitter=2",
+        "--age",
+        "0.5",
+        "--edit",
+        "cut stem 0.3",
+        "--json",
+    ];
+    let stats = folder.run(&args).done().json();
+    let both = heights(&["--age", "0.5", "--edit", "cut stem 0.3"]);
+    assert_eq!(stats["height_m"].as_f64(), Some(both[1]));
 }
 
 #[test]

@@ -39,15 +39,23 @@ pub fn aged(
     of_flag(source, "--ages", list, turned)
 }
 
+/// Refuses knobs of age that are turned by hand beside a flag that says the age.
+pub fn ensure_one_age(flag: &str, turned: &[(String, String)]) -> anyhow::Result<()> {
+    match turned.iter().find(|(name, _)| OF_AGE.contains(&name.as_str())) {
+        Some((knob, value)) => {
+            Err(usage(format!("--set {knob}={value} and {flag} both say how old it is: leave one out")))
+        }
+        None => Ok(()),
+    }
+}
+
 fn of_flag(
     source: &Source,
     flag: &str,
     list: &str,
     turned: &[(String, String)],
 ) -> anyhow::Result<Vec<(String, Source)>> {
-    if let Some((knob, value)) = turned.iter().find(|(name, _)| OF_AGE.contains(&name.as_str())) {
-        return Err(usage(format!("--set {knob}={value} and {flag} both say how old it is: leave one out")));
-    }
+    ensure_one_age(flag, turned)?;
     let preset = &source.recipe.preset;
     let ages = preset.ages_of(list).map_err(|error| match error {
         AgeError::Knob { name, problem } if name == UNNAMED => usage(format!("{flag} {problem}")),

@@ -246,13 +246,20 @@ impl Sweep {
             .into_iter()
             .partition(|(name, _)| source::is_file_key(name));
         let fixed: Vec<_> = files.into_iter().chain(self.budget.pair()).collect();
-        let found = source::resolve(&self.growing.source, &fixed, progress)?;
+        let mut found = source::resolve(&self.growing.source, &fixed, progress)?;
         if crate::paths::is_one_of(&self.output, &found.files) {
             let shown = crate::paths::show(&self.output);
             return Err(usage(format!("{shown}: the tree is grown from that file; choose another name")));
         }
         super::notes(&found.notes, progress);
+        if let Some(age) = &self.growing.age {
+            super::ages::ensure_one_age("--age", &settings)?;
+            found = super::ages::at(&found, age, &fixed)?;
+        }
         let mut base = found.recipe;
+        for edit in &self.growing.edits {
+            base.preset.edit(edit).map_err(usage)?;
+        }
         if let Some(seed) = self.growing.seed {
             base.preset.set_seed(seed);
         }
