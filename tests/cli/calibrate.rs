@@ -128,6 +128,20 @@ fn too_few_trees_to_tell_are_not_said_to_be_of_one_kind() {
 }
 
 #[test]
+fn numbers_that_no_grown_tree_has_are_not_compared() {
+    let folder = Folder::new();
+    // A scan's alone.
+    folder.write("firs.csv", "dbh_se_m\n0.1\n0.2\n0.3\n");
+    let page = calibrate(&folder, "firs.csv", &["--seeds", "2"]).done().out;
+    assert!(page.contains("none has it") && page.contains("\nNothing was compared: "), "{page}");
+    assert!(!page.contains("they are of one kind"), "{page}");
+    // 100 m are taller than all firs: of four and four p is 2 of 70 divisions, which is enough for one number, not for two.
+    folder.write("firs.csv", "height_m,dbh_se_m\n100,0.1\n101,0.2\n102,0.1\n103,0.2\n");
+    let calibration = calibrate(&folder, "firs.csv", &["--seeds", "4", "--json"]).done().json();
+    assert_eq!(of(&calibration, "height_m")["parts"], true, "{calibration}");
+}
+
+#[test]
 fn tables_of_spreadsheets_are_read_with_decimal_commas() {
     let folder = Folder::new();
     folder.write("plain.csv", "species,height_m,dbh_cm\nAbies,9.25,20\nAbies,10.5,22.5\n");

@@ -133,7 +133,14 @@ impl Calibrate {
             announce(all, &format!("{trees} trees, {} each", outlook.amount()));
         }
         let reports = grown(&source.recipe, trees, &progress)?;
-        let row = |(number, sample): &(&'static Number, Sample)| row((number, sample), &measured, &reports);
+        let compared = measured
+            .columns
+            .iter()
+            .filter(|(number, _)| reports.iter().any(|report| (number.reading)(report).number().is_some()));
+        let level = LEAST_P / compared.count().max(1) as f64;
+        let row = |(number, sample): &(&'static Number, Sample)| {
+            row((number, sample), measured.trees, &reports, level)
+        };
         let calibration = Calibration {
             source: preset.id.clone(),
             grown: reports.len(),
@@ -181,19 +188,19 @@ fn grown(base: &linden::recipe::Recipe, trees: u64, progress: &Progress) -> anyh
     Ok(reports)
 }
 
-fn row((number, measured): (&'static Number, &Sample), table: &Measured, reports: &[Report]) -> Row {
+/// What is said of a number of `trees` that were measured; samples part at a p below `level`.
+fn row((number, measured): (&'static Number, &Sample), trees: usize, reports: &[Report], level: f64) -> Row {
     let values = reports.iter().filter_map(|report| (number.reading)(report).number());
     let grown = Sample::of(values);
     let parting = grown.as_ref().map(|grown| grown.parting(measured));
     let least_p = grown.as_ref().map(|grown| grown.least_p(measured));
-    let level = LEAST_P / table.columns.len() as f64;
     let mean = measured.mean();
     let differs_by = grown.as_ref().filter(|_| mean != 0.0).map(|grown| grown.mean() / mean - 1.0);
     Row {
         name: number.name,
         unit: number.unit,
         measured: Moments::of(measured),
-        missing: table.trees - measured.len(),
+        missing: trees - measured.len(),
         grown: grown.as_ref().map(Moments::of),
         differs_by,
         distance: parting.map(|Parting { distance, .. }| distance),
@@ -242,11 +249,15 @@ impl Calibration {
         text.push('\n');
         let too_few: Vec<&str> =
             self.numbers.iter().filter(|row| row.is_too_few()).map(|row| row.name).collect();
+        let is_compared = self.numbers.iter().any(|row| row.p.is_some());
         let is_told = self.numbers.iter().any(|row| row.parts.is_some());
         text += match (is_told, parted.is_empty(), too_few.is_empty()) {
-            (_, true, true) => "Nothing parts: as far as so many trees tell, they are of one kind.\n",
+            (_, true, true) if !is_compared => {
+                "Nothing was compared: none of the trees that were grown has these numbers.\n"
+            }
+            (_, true, true) => "Nothing parts: as far as this many trees can tell, they are of one kind.\n",
             (true, true, false) => {
-                "Nothing else parts: in the rest, as far as so many trees tell, they are of one kind.\n"
+                "Nothing else parts: in the rest, as far as this many trees can tell, they are of one kind.\n"
             }
             (false, _, false) => {
                 "Nothing can part: p of so few trees is never small enough, however far apart they are. Measure more, or \
