@@ -48,6 +48,8 @@ fn levels_take_a_file_each_where_that_is_asked_for() {
         assert!(!folder.read(file).is_empty(), "{file}");
         folder.run(&["verify", file]).done();
     }
+    let said = folder.run(&[&SMALL[..], &["-o", "a.stl", "--lods", "2", "--lods-as", "files"]].concat());
+    assert!(said.code == Some(2) && said.err.contains("--lods-as: no output is written"), "{}", said.err);
 }
 
 #[test]

@@ -124,7 +124,7 @@ impl Outputs {
                 Some(profile) => profile.options(format).map_err(usage)?,
                 None => Options::new(format),
             };
-            for (option, value) in flags.iter().filter(|(option, _)| has(exporter, option)) {
+            for Flag { option, value, .. } in flags.iter().filter(|flag| has(exporter, flag.option)) {
                 options.set(option, value).map_err(usage)?;
             }
             for (name, value) in settings {
@@ -170,16 +170,19 @@ impl Outputs {
     }
 
     /// Options that flags turn, in all formats that have them.
-    fn flags(&self) -> Vec<(&'static str, String)> {
+    fn flags(&self) -> Vec<Flag> {
         let switch = |is_on: bool| is_on.then(|| "true".to_owned());
         let flags = [
-            ("instances", switch(self.instances)),
-            ("quantize", switch(self.quantize)),
-            ("compress", self.compress.clone()),
-            ("lods", self.lods_as.clone()),
-            ("collision", self.collision.clone()),
+            ("instances", "instances", switch(self.instances)),
+            ("quantize", "quantize", switch(self.quantize)),
+            ("compress", "compress", self.compress.clone()),
+            ("lods-as", "lods", self.lods_as.clone()),
+            ("collision", "collision", self.collision.clone()),
         ];
-        flags.into_iter().filter_map(|(option, value)| Some((option, value?))).collect()
+        flags
+            .into_iter()
+            .filter_map(|(name, option, value)| Some(Flag { name, option, value: value? }))
+            .collect()
     }
 
     /// Which format goes where.
@@ -303,17 +306,22 @@ fn check_formats(
     Ok(())
 }
 
+/// A flag that turns an option of formats.
+struct Flag {
+    /// As it is typed, without the dashes.
+    name: &'static str,
+    option: &'static str,
+    value: String,
+}
+
 /// Each flag must mean something to a format that is written.
-fn check_flags(
-    flags: &[(&'static str, String)],
-    outputs: &[(&'static dyn Exporter, PathBuf)],
-) -> anyhow::Result<()> {
-    for (option, _) in flags {
+fn check_flags(flags: &[Flag], outputs: &[(&'static dyn Exporter, PathBuf)]) -> anyhow::Result<()> {
+    for Flag { name, option, .. } in flags {
         if !outputs.iter().any(|(exporter, _)| has(*exporter, option)) {
             let known = REGISTRY.iter().filter(|exporter| has(**exporter, option));
             let known: Vec<&str> = known.map(|exporter| exporter.format().id).collect();
             return Err(usage(format!(
-                "--{option}: no output is written in a format that has it: {}",
+                "--{name}: no output is written in a format that has it: {}",
                 known.join(", ")
             )));
         }
