@@ -30,6 +30,8 @@ const MOST_DRAWS: u64 = 64;
 pub struct Spread {
     kind: Kind,
     parts: Vec<Part>,
+    /// Of ranges whole numbers alone are drawn, though the knob takes others.
+    is_whole: bool,
 }
 
 /// One number's distribution.
@@ -83,7 +85,13 @@ impl Spread {
                 ));
             }
         };
-        Ok(Self { kind: *kind, parts })
+        Ok(Self { kind: *kind, parts, is_whole: false })
+    }
+
+    /// The same; of ranges only whole numbers are drawn, both ends as often as what lies between them.
+    #[must_use]
+    pub fn of_whole_numbers(self) -> Self {
+        Self { is_whole: true, ..self }
     }
 
     /// The value in the middle: means, and the middles of ranges.
@@ -127,7 +135,7 @@ impl Spread {
         };
         let is_empty = matches!(shape, Shape::Uniform { low, high } if low >= high);
         let fits = in_steps == part.in_steps && !matches!(self.kind, Kind::Reals { .. }) && !is_empty;
-        fits.then(|| Self { kind: self.kind, parts: vec![Part { shape, in_steps }] })
+        fits.then(|| Self { parts: vec![Part { shape, in_steps }], ..*self })
     }
 
     /// The value drawn at a place: within the knob's range, and rounded to what a spread of its width can tell apart (a
@@ -136,6 +144,20 @@ impl Spread {
         // One value has the key, values of a list have its children.
         let is_list = matches!(self.kind, Kind::Reals { .. });
         self.value(|i, part| part.draw(if is_list { key.child(i as u64) } else { key }, self.range()))
+    }
+
+    /// The value below which a share of all draws lies, with six digits that count, within the knob's range; of a list, by the
+    /// share of each number. Draws of strata of shares are a stratified sample of the spread.
+    ///
+    /// ```
+    /// use linden_base::knob::{Spread, real};
+    ///
+    /// let spread = Spread::parse(&real(0.0, 10.0), "2..5")?;
+    /// assert_eq!(spread.quantile(|_| 0.25).to_string(), "2.75");
+    /// # Ok::<(), String>(())
+    /// ```
+    pub fn quantile(&self, share: impl Fn(usize) -> f64) -> Value {
+        self.value(|i, part| part.quantile(share(i), &self.range()))
     }
 
     fn value(&self, mut number: impl FnMut(usize, &Part) -> f64) -> Value {
@@ -158,9 +180,9 @@ impl Spread {
         match self.kind {
             Kind::Integer { min, max } => Numbers { range: min as f64..=max as f64, whole: true },
             Kind::Real { min, max, .. } | Kind::Length { min, max, .. } | Kind::Reals { min, max, .. } => {
-                Numbers { range: min..=max, whole: false }
+                Numbers { range: min..=max, whole: self.is_whole }
             }
-            _ => Numbers { range: f64::NEG_INFINITY..=f64::INFINITY, whole: false },
+            _ => Numbers { range: f64::NEG_INFINITY..=f64::INFINITY, whole: self.is_whole },
         }
     }
 }
@@ -208,6 +230,19 @@ impl Part {
             Shape::Uniform { low, high } if whole => key.between(low, high + 1.0).floor().clamp(low, high),
             Shape::Uniform { low, high } => rounded(key.between(low, high), high - low).clamp(low, high),
         }
+    }
+
+    fn quantile(&self, share: f64, Numbers { range, whole }: &Numbers) -> f64 {
+        let x = match self.shape {
+            Shape::Fixed(x) => x,
+            Shape::Normal { mean, deviation } => {
+                let x = mean + deviation * normal_quantile(share).clamp(-MOST_DEVIATIONS, MOST_DEVIATIONS);
+                if *whole { x.round() } else { six_digits(x) }
+            }
+            Shape::Uniform { low, high } if *whole => (low + (share * (high - low + 1.0)).floor()).min(high),
+            Shape::Uniform { low, high } => six_digits(low + share * (high - low)),
+        };
+        x.clamp(*range.start(), *range.end())
     }
 }
 
@@ -303,6 +338,27 @@ fn rounded(x: f64, width: f64) -> f64 {
     format!("{x:.digits$}").parse().unwrap_or(x)
 }
 
+/// A number with six digits that count.
+fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+/// The inverse of the normal distribution between [`MOST_DEVIATIONS`], by bisection of its integral (Abramowitz & Stegun 1964,
+/// 7.1.1).
+fn normal_quantile(share: f64) -> f64 {
+    let below = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+    let (mut low, mut high) = (-MOST_DEVIATIONS, MOST_DEVIATIONS);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if below(middle) < share {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    f64::midpoint(low, high)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -390,6 +446,35 @@ mod tests {
         let drawn = reals(&Spread::parse(&LENGTH, "1D..3D").unwrap(), 8000);
         let low = drawn.iter().filter(|x| **x < 2.0).count();
         assert!((3800..4200).contains(&low) && drawn.iter().all(|x| (1.0..=3.0).contains(x)), "{low}");
+    }
+
+    #[test]
+    fn quantiles_are_those_of_the_distribution() {
+        let of = |kind: &Kind, text: &str, share: f64| {
+            Spread::parse(kind, text).unwrap().quantile(|_| share).to_string()
+        };
+        let any = real(-100.0, 100.0);
+        // The normal distribution's table: 0.8413 of it is below one deviation.
+        let normal = [0.0, 0.158_655, 0.5, 0.841_345, 1.0].map(|share| of(&any, "10 ± 2", share));
+        assert_eq!(normal, ["4", "8", "10", "12", "16"]);
+        assert_eq!([0.0, 0.5, 0.75, 1.0].map(|share| of(&any, "-4..4", share)), ["-4", "0", "2", "4"]);
+        assert_eq!(of(&LENGTH, "1D..3D", 0.25), "1.5D");
+        assert_eq!(of(&LENGTH, "0.5m..1m", 0.5), "0.75");
+        // Whole where the knob is, or where it is asked for; within the knob's range.
+        assert_eq!(
+            [0.0, 0.3, 0.99, 1.0].map(|share| of(&integer(1, 9), "2..4", share)),
+            ["2", "2", "4", "4"]
+        );
+        assert_eq!(of(&integer(1, 9), "4 ± 2.2", 0.6), "5");
+        assert_eq!(of(&integer(3, 9), "4 ± 2", 0.0), "3");
+        let whole = Spread::parse(&any, "-4..-1").unwrap().of_whole_numbers();
+        assert_eq!(
+            [0.0, 0.24, 0.26, 1.0].map(|share| whole.quantile(|_| share).to_string()),
+            ["-4", "-4", "-3", "-1"]
+        );
+        // Numbers of a list have a share each.
+        let list = Spread::parse(&LIST, "50..70 60 10..20").unwrap();
+        assert_eq!(list.quantile(|i| if i == 0 { 0.25 } else { 0.5 }).to_string(), "55 60 15");
     }
 
     #[test]

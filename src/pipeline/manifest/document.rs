@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use linden_base::document::{Datum, Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{did_you_mean, excerpt, nearest};
 
-use super::draw::Draw;
+use super::draw::{self, Of};
 use super::values::values;
 use super::{Manifest, Sampling, Seeds, TreeKind, Values, Varied};
 
@@ -108,8 +108,11 @@ fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Tr
                 let found = Sampling::named(word);
                 kind.sampling = found.ok_or_else(|| entry.node.mismatch("sampling", "random or latin"))?;
             }
-            "set" => kind.set = varied(entry, "knobs like { points = \"3000..6000\" }")?,
-            "define" => kind.define = varied(entry, "constants of the grammar like { r1 = [0.8, 0.9] }")?,
+            "set" => kind.set = varied(Of::Knob, entry, "knobs like { points = \"3000..6000\" }")?,
+            "define" => {
+                kind.define =
+                    varied(Of::Constant, entry, "constants of the grammar like { r1 = [0.8, 0.9] }")?
+            }
             _ => return Err(TREES.unknown(number, entry, &TREE_KEYS)),
         }
     }
@@ -127,13 +130,16 @@ fn table<'a>(entry: &'a Entry, expected: &str) -> Result<BTreeMap<&'a str, &'a E
     Ok(entries.iter().map(|entry| (entry.key.as_str(), entry)).collect())
 }
 
-fn varied(entry: &Entry, expected: &str) -> Result<Vec<Varied>, Fault> {
+fn varied(of: Of, entry: &Entry, expected: &str) -> Result<Vec<Varied>, Fault> {
     let each = table(entry, expected)?.into_iter();
-    each.map(|(name, entry)| Ok(Varied { name: name.to_owned(), values: values_of(name, entry)? })).collect()
+    let one = |(name, entry): (&str, &Entry)| {
+        Ok(Varied { name: name.to_owned(), values: values_of(of, name, entry)? })
+    };
+    each.map(one).collect()
 }
 
 /// A list is each of its values, and so is a range with a step; what is drawn is text.
-fn values_of(name: &str, entry: &Entry) -> Result<Values, Fault> {
+fn values_of(of: Of, name: &str, entry: &Entry) -> Result<Values, Fault> {
     if let Datum::List(nodes) = &entry.node.datum {
         if nodes.is_empty() {
             return Err(entry.node.mismatch(&excerpt(name), "at least one value"));
@@ -143,8 +149,8 @@ fn values_of(name: &str, entry: &Entry) -> Result<Values, Fault> {
     }
     let text = scalar(name, entry)?;
     let fault = |message: String| Fault::new(entry.node.place, format!("'{}': {message}", excerpt(name)));
-    if let Some(draw) = Draw::parse(&text) {
-        return Ok(Values::Drawn(draw.map_err(fault)?));
+    if let Some(spread) = draw::spread(of, name, &text) {
+        return Ok(Values::Drawn(spread.map_err(fault)?));
     }
     // Commas may belong to a value; a list is written as one.
     let is_range = text.contains(':');
@@ -288,7 +294,7 @@ mod tests {
             ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"3..1\"\n", "4:9: 'seeds' is"),
             (
                 "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { points = \"9..1\" }\n",
-                "write the smaller first",
+                "the first number must be the smaller one",
             ),
             (
                 "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { points = [] }\n",

@@ -1,58 +1,50 @@
-//! Values that are drawn.
+//! Values that are drawn: which texts are spreads, and the strata of Latin hypercubes.
 
+use linden_base::knob::{Kind, Spread, real};
 use linden_base::random::Key;
 
-/// A distribution. Values are written with six digits that count, whole numbers as such.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Draw {
-    /// `a..b`: evenly between both, both included.
-    Even {
-        /// The least.
-        low: f64,
-        /// The largest.
-        high: f64,
-        /// Whether both are written without a point: whole numbers are drawn.
-        is_whole: bool,
-    },
-    /// `m ± s`: normally, by mean and standard deviation, cut off at three of these.
-    Normal {
-        /// The mean.
-        mean: f64,
-        /// The standard deviation.
-        sd: f64,
-    },
+use crate::preset::knob_named;
+
+/// Of what kind a value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Of {
+    /// A knob with this name.
+    Knob,
+    /// A constant of a grammar.
+    Constant,
 }
 
-/// Beyond so many standard deviations nothing is drawn.
-const WIDEST: f64 = 3.0;
-
-impl Draw {
-    /// Reads `a..b` or `m ± s` (or `m +- s`); `None` for anything else.
-    pub(super) fn parse(text: &str) -> Option<Result<Self, String>> {
-        let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-        let split = |by: &str| text.split_once(by).and_then(|(a, b)| Some((number(a)?, number(b)?)));
-        if let Some((mean, sd)) = split("±").or_else(|| split("+-")) {
-            let wrong = || format!("'{text}' has a standard deviation below 0");
-            return Some(if sd < 0.0 { Err(wrong()) } else { Ok(Self::Normal { mean, sd }) });
-        }
-        let (low, high) = split("..")?;
-        if low > high {
-            return Some(Err(format!("'{text}' runs from {low} down to {high}: write the smaller first")));
-        }
-        let is_whole = !text.replace("..", " ").contains(['.', 'e', 'E']);
-        Some(Ok(Self::Even { low, high, is_whole }))
+/// The spread that a text is for a knob or a constant, read as presets and `--set` read it, but that of two plain whole numbers
+/// (`2..4`) whole ones are drawn; `None` where it is none, as paths with two points.
+pub(super) fn spread(of: Of, name: &str, text: &str) -> Option<Result<Spread, String>> {
+    if !Spread::is_meant(text) {
+        return None;
     }
-
-    /// The value below which a share of all draws lies.
-    pub(super) fn at(self, share: f64) -> String {
-        match self {
-            Self::Even { low, high, is_whole: true } => {
-                (low + (share * (high - low + 1.0)).floor()).min(high).to_string()
-            }
-            Self::Even { low, high, .. } => written(low + share * (high - low)),
-            Self::Normal { mean, sd } => written(mean + sd * quantile(share).clamp(-WIDEST, WIDEST)),
+    let kind = knob_named(name).filter(|_| of == Of::Knob).map(|knob| knob.kind);
+    let spread = match kind {
+        Some(Kind::Real { .. } | Kind::Integer { .. } | Kind::Length { .. } | Kind::Reals { .. }) => {
+            Spread::parse(&kind?, text)
         }
-    }
+        Some(_) => return None,
+        // Of constants, and of knobs that a preset itself has, only the preset knows the range.
+        None if is_of_numbers(text) => Spread::parse(&real(f64::NEG_INFINITY, f64::INFINITY), text),
+        None => return None,
+    };
+    let of_whole_numbers = |spread: Spread| if is_whole(text) { spread.of_whole_numbers() } else { spread };
+    Some(spread.map(of_whole_numbers))
+}
+
+/// Whether both sides of a sign are plain numbers.
+fn is_of_numbers(text: &str) -> bool {
+    let is_number = |text: &str| text.trim().parse::<f64>().is_ok();
+    let sides = ["±", "+/-", "+-", ".."].iter().find_map(|sign| text.split_once(sign));
+    sides.is_some_and(|(a, b)| is_number(a) && is_number(b))
+}
+
+/// Whether a text is a range from one whole number to another, written without point, exponent and unit.
+fn is_whole(text: &str) -> bool {
+    let is_whole = |text: &str| text.trim().parse::<i128>().is_ok();
+    text.split_once("..").is_some_and(|(a, b)| is_whole(a) && is_whole(b))
 }
 
 /// The share of the `sample`-th of `samples` in one dimension of a Latin hypercube.
@@ -79,62 +71,68 @@ fn permuted(key: Key, mut index: u64, count: u64) -> u64 {
     }
 }
 
-/// A number with six digits that count.
-fn written(x: f64) -> String {
-    format!("{x:.5e}").parse::<f64>().map_or_else(|_| x.to_string(), |rounded| rounded.to_string())
-}
-
-/// The inverse of the normal distribution, by bisection of its integral (Abramowitz & Stegun 1964, 7.1.1).
-fn quantile(share: f64) -> f64 {
-    let below = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
-    let (mut low, mut high) = (-WIDEST, WIDEST);
-    for _ in 0..60 {
-        let middle = f64::midpoint(low, high);
-        if below(middle) < share {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    f64::midpoint(low, high)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn read(text: &str) -> Draw {
-        Draw::parse(text).unwrap().unwrap()
+    fn read(of: Of, name: &str, text: &str) -> Option<Result<String, String>> {
+        spread(of, name, text).map(|spread| spread.map(|spread| spread.quantile(|_| 0.3).to_string()))
     }
 
     #[test]
-    fn distributions_are_read_and_nothing_else_is() {
-        assert_eq!(read("3000..6000"), Draw::Even { low: 3000.0, high: 6000.0, is_whole: true });
-        assert_eq!(read("0.5 .. 2"), Draw::Even { low: 0.5, high: 2.0, is_whole: false });
-        assert_eq!(read("20 ± 2.5"), Draw::Normal { mean: 20.0, sd: 2.5 });
-        assert_eq!(read("20+-2.5"), Draw::Normal { mean: 20.0, sd: 2.5 });
-        for text in ["3", "oak", "0.5:0.9:0.1", "..", "a..b", "17D"] {
-            assert_eq!(Draw::parse(text), None, "{text}");
+    fn spreads_are_read_by_the_kind_of_the_knob() {
+        let some = |text: &str| Some(Ok(text.to_owned()));
+        for (name, text, expected) in [
+            ("points", "3000..6000", some("3900")),
+            ("points", "20 ± 2.5", some("19")),
+            ("crown_height", "0.5 .. 2.5", some("1.1")),
+            ("crown_height", "5..15", some("8")),
+            ("base_radius", "0.1..0.3", some("0.16")),
+            ("kill", "0.5m..1.5m", some("0.8")),
+            ("kill", "2D..4D", some("2.6D")),
+            ("kill", "10D +/- 1", some("9.4756D")),
+            ("season", "0.5 ± 0.1", some("0.44756")),
+            ("a_constant_of_its_own", "1 +/- 0.1", some("0.94756")),
+            // Values that are no spread.
+            ("points", "3", None),
+            ("leaf_mesh", "../leaf.obj", None),
+            ("a_constant_of_its_own", "a..b", None),
+        ] {
+            let found = read(Of::Knob, name, text);
+            assert_eq!(found, expected, "{name} {text}");
         }
-        assert!(Draw::parse("3..1").unwrap().is_err() && Draw::parse("3 ± -1").unwrap().is_err());
+        for (name, text, said) in [
+            ("points", "3..1", "must be the smaller one"),
+            ("points", "3 ± 0", "no standard deviation above 0"),
+            ("season", "0.1..7", "7 is outside the range"),
+            ("kill", "2..4D", "mixes metres and steps"),
+            ("a_constant_of_its_own", "3 ± -1", "no standard deviation above 0"),
+        ] {
+            let error = read(Of::Knob, name, text).unwrap().unwrap_err();
+            assert!(error.contains(said), "{name} {text}: {error}");
+        }
+        // A constant that is called like a knob is none.
+        assert_eq!(read(Of::Constant, "season", "5..15"), some("8"));
     }
 
     #[test]
-    fn draws_have_the_moments_of_their_distribution() {
+    fn plain_draws_are_as_they_were() {
+        // What a share was before spreads had quantiles.
+        let written = |x: f64| format!("{x:.5e}").parse::<f64>().unwrap().to_string();
         let key = Key::new(7);
-        let of = |draw: Draw| -> (f64, f64) {
-            let all: Vec<f64> = (0..4000).map(|i| draw.at(key.child(i).unit()).parse().unwrap()).collect();
-            let mean = all.iter().sum::<f64>() / 4000.0;
-            let squares: f64 = all.iter().map(|x| (x - mean) * (x - mean)).sum();
-            (mean, (squares / 3999.0).sqrt())
+        for i in 0..2000 {
+            let share = key.child(i).unit();
+            let at = |text: &str| {
+                spread(Of::Constant, "a", text).unwrap().unwrap().quantile(|_| share).to_string()
+            };
+            assert_eq!(at("0.7..0.95"), written(0.7 + share * (0.95 - 0.7)));
+            assert_eq!(at("3..8"), (3.0 + (share * 6.0).floor()).min(8.0).to_string());
+            assert_eq!(at("-2..1.0"), written(-2.0 + share * 3.0));
+        }
+        let at = |share: f64| {
+            spread(Of::Constant, "a", "40 +- 5").unwrap().unwrap().quantile(|_| share).to_string()
         };
-        let (mean, sd) = of(read("10 ± 2"));
-        assert!((mean - 10.0).abs() < 0.1 && (sd - 2.0).abs() < 0.1, "{mean} {sd}");
-        let (mean, sd) = of(read("0..1.0"));
-        assert!((mean - 0.5).abs() < 0.02 && (sd - 12_f64.sqrt().recip()).abs() < 0.01, "{mean} {sd}");
-        // A die.
-        let (mean, sd) = of(read("1..6"));
-        assert!((mean - 3.5).abs() < 0.1 && (sd - (35.0_f64 / 12.0).sqrt()).abs() < 0.05, "{mean} {sd}");
+        assert_eq!([0.01, 0.2, 0.7, 0.999].map(at), ["28.3683", "35.7919", "42.622", "55"]);
     }
 
     #[test]

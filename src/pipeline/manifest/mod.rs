@@ -28,9 +28,8 @@ pub mod values;
 
 use std::collections::BTreeMap;
 
+use linden_base::knob::Spread;
 use linden_base::random::Key;
-
-use self::draw::Draw;
 
 /// Many trees.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -100,7 +99,7 @@ pub enum Values {
     /// Each of them.
     Each(Vec<String>),
     /// One that is drawn.
-    Drawn(Draw),
+    Drawn(Spread),
 }
 
 /// One tree.
@@ -166,18 +165,23 @@ impl TreeKind {
                     rest /= list.len();
                     value
                 }
-                Values::Drawn(draw) => {
+                Values::Drawn(spread) => {
                     let of_knob = key.named(&varied.name);
-                    let share = match self.sampling {
-                        Sampling::Random => of_knob.child(place as u64).unit(),
-                        // Each combination and seed has a hypercube of its own.
-                        Sampling::Latin => {
-                            let cube =
-                                of_knob.child((place / seeds / self.samples as usize * seeds + seed) as u64);
-                            draw::stratum(cube, sample as u64, self.samples)
+                    let share = |number: usize| {
+                        // Each number of a list is a dimension; the first has the key that one number has.
+                        let key =
+                            if number == 0 { of_knob } else { of_knob.named("number").child(number as u64) };
+                        match self.sampling {
+                            Sampling::Random => key.child(place as u64).unit(),
+                            // Each combination and seed has a hypercube of its own.
+                            Sampling::Latin => {
+                                let cube =
+                                    key.child((place / seeds / self.samples as usize * seeds + seed) as u64);
+                                draw::stratum(cube, sample as u64, self.samples)
+                            }
                         }
                     };
-                    draw.at(share)
+                    spread.quantile(share).to_string()
                 }
             })
             .collect();
