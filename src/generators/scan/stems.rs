@@ -25,7 +25,7 @@ const SPANS: f64 = 0.7;
 /// And has this part of the points of the stem with the most.
 const WEIGHT: f64 = 0.2;
 
-/// All feet, the surest first; `wanted` says how many at most, `None` leaves it to the cloud. At least one:
+/// All feet, the surest first; `wanted` says how many at most (0 is 1), `None` leaves it to the cloud. At least one:
 /// the one that [`Foot::find`] finds.
 pub(super) fn feet(
     points: &[DVec3],
@@ -55,7 +55,7 @@ pub(super) fn feet(
         .iter()
         .filter(|column| !is_main(column))
         .filter(|column| wanted.is_some() || enough(column))
-        .take(wanted.map_or(usize::MAX, |wanted| wanted - 1))
+        .take(wanted.map_or(usize::MAX, |wanted| wanted.saturating_sub(1)))
         .map(|column| Foot {
             root: column.foot(points, &main),
             radius_m: column.width.clamp(0.5 * main.radius_m, 2.0 * main.radius_m),
@@ -124,4 +124,30 @@ fn columns(points: &[DVec3], apart_m: f64, monitor: &dyn Monitor) -> Result<Vec<
         });
     }
     Ok(columns)
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::monitor::Quiet;
+
+    use super::*;
+
+    /// Two bare stems, six metres high.
+    fn stems() -> Vec<DVec3> {
+        let around = |x: f64| {
+            (0..4000).map(move |i| {
+                let (sin, cos) = libm::sincos(f64::from(i) * 2.4);
+                DVec3::new(x + 0.1 * cos, 0.0015 * f64::from(i), 0.1 * sin)
+            })
+        };
+        around(0.0).chain(around(2.0)).collect()
+    }
+
+    #[test]
+    fn as_many_feet_as_are_wanted_but_one_at_least() {
+        let points = stems();
+        for (wanted, count) in [(Some(0), 1), (Some(1), 1), (Some(2), 2), (None, 2)] {
+            assert_eq!(feet(&points, wanted, &Quiet).unwrap().len(), count, "{wanted:?}");
+        }
+    }
 }
