@@ -111,7 +111,7 @@ fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Tr
             "set" => kind.set = varied(Of::Knob, entry, "knobs like { points = \"3000..6000\" }")?,
             "define" => {
                 kind.define =
-                    varied(Of::Constant, entry, "constants of the grammar like { r1 = [0.8, 0.9] }")?
+                    varied(Of::Constant, entry, "constants of the grammar like { r1 = [0.8, 0.9] }")?;
             }
             _ => return Err(TREES.unknown(number, entry, &TREE_KEYS)),
         }

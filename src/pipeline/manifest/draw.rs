@@ -25,10 +25,10 @@ pub(super) fn spread(of: Of, name: &str, text: &str) -> Option<Result<Spread, St
         Some(Kind::Real { .. } | Kind::Integer { .. } | Kind::Length { .. } | Kind::Reals { .. }) => {
             Spread::parse(&kind?, text)
         }
-        Some(_) => return None,
         // Of constants, and of knobs that a preset itself has, only the preset knows the range.
         None if is_of_numbers(text) => Spread::parse(&real(f64::NEG_INFINITY, f64::INFINITY), text),
-        None => return None,
+        // Words, and paths with two points.
+        Some(_) | None => return None,
     };
     let of_whole_numbers = |spread: Spread| if is_whole(text) { spread.of_whole_numbers() } else { spread };
     Some(spread.map(of_whole_numbers))

@@ -210,6 +210,9 @@ mod tests {
         let paths: BTreeSet<&String> = outputs.iter().map(|(.., path)| path).collect();
         assert_eq!(paths.len(), ids.len(), "{paths:?}");
         let skeleton = outputs.iter().find(|(exporter, ..)| exporter.format().id == "ply-skeleton");
-        assert!(skeleton.is_some_and(|(.., path)| path.ends_with(".ply")), "{paths:?}");
+        assert!(
+            skeleton.is_some_and(|(.., path)| Path::new(path).extension() == Some("ply".as_ref())),
+            "{paths:?}"
+        );
     }
 }
