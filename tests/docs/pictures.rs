@@ -159,7 +159,7 @@ fn code() -> String {
         }
         recipe
     };
-    let barks = ["ridged", "smooth", "plated", "birch", "peeling"];
+    let barks = ["ridged", "smooth", "plated", "birch", "peeling", "palm"];
     let barks = barks.map(|bark| small("older-spatial", &[("bark", bark), ("base_radius", "0.4")]));
     let leaves = [small("sunflower", &[]), small("male-fern", &[]), small("dressed-simple", &[])];
     for recipe in barks.into_iter().chain(leaves) {

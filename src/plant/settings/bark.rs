@@ -64,6 +64,8 @@ linden_base::words! {
         Birch = "birch",
         /// [`BarkStyle::Peeling`]
         Peeling = "peeling",
+        /// [`BarkStyle::Palm`]
+        Palm = "palm",
     }
 }
 
@@ -186,7 +188,7 @@ impl BarkSettings {
             details(
                 "ridged has long ridges that part and meet, as oak and ash; smooth is thin with lenticels, \
                  as beech; plated flakes between fissures, as pine; birch is white with dark marks; peeling \
-                 has patches, as plane. Each has a usual colour and relief, and bark_seed varies it."
+                 has patches, as plane; palm has the bases of shed leaves in overlapping rows. Each has a usual colour and relief, and bark_seed varies it."
             ),
             see_also(&["bark_color", "bark_relief", "bark_tile", "bark_grain"])
         ),
@@ -205,7 +207,7 @@ impl BarkSettings {
             "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind",
             relief,
             details(
-                "Usual are 0.045 for ridged, 0.032 for plated, 0.008 for birch, 0.006 for smooth and 0.004 \
+                "Usual are 0.055 for palm, 0.045 for ridged, 0.032 for plated, 0.008 for birch, 0.006 for smooth and 0.004 \
                  for peeling. It is in the normals that light falls on; the mesh keeps its shape, but for \
                  bark_relief_height."
             ),
@@ -322,9 +324,10 @@ impl BarkSettings {
             size_px,
             details(
                 "Twice as many pixels take four times the memory and file. With a bark_tile of 0.5 m 512 is \
-                 a millimetre a pixel, enough unless a camera comes close."
+                 a millimetre a pixel, enough unless a camera comes close: 1024 and more have finer grain as well. With \
+                 bark_relief_height the furrows stand out of the mesh too."
             ),
-            see_also(&["bark_tile", "leaf_size", "billboard_size"])
+            see_also(&["bark_tile", "bark_relief_height", "leaf_size", "billboard_size"])
         ),
         field!(
             "bark_seed",

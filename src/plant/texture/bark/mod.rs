@@ -38,16 +38,19 @@ pub enum BarkStyle {
     Birch,
     /// Thin plates that fall and leave patches of other colours: plane, sycamore.
     Peeling,
+    /// What is left of shed leaves, in rows that overlap like shingles: date palm.
+    Palm,
 }
 
 impl BarkStyle {
     /// Every style: its name for users, what it looks like, and its usual bark.
-    pub const ALL: [(&'static str, Self, &'static str); 5] = [
+    pub const ALL: [(&'static str, Self, &'static str); 6] = [
         ("ridged", Self::Ridged, "long ridges that part and meet, as oak and ash"),
         ("smooth", Self::Smooth, "thin and whole with lenticels, as beech"),
         ("plated", Self::Plated, "flaking plates between fissures, as pine"),
         ("birch", Self::Birch, "white with dark lenticels and black scars, as birch"),
         ("peeling", Self::Peeling, "patches where thin plates have fallen, as plane"),
+        ("palm", Self::Palm, "bases of shed leaves in overlapping rows, as date palm"),
     ];
 
     /// The style that a user means.
@@ -120,6 +123,7 @@ impl Bark {
             BarkStyle::Plated => ([140, 100, 76], 0.032),
             BarkStyle::Birch => ([212, 208, 198], 0.008),
             BarkStyle::Peeling => ([158, 150, 122], 0.004),
+            BarkStyle::Palm => ([134, 116, 94], 0.055),
         };
         Self { style, color, roughness: 1.0, lenticels: 0.0, relief, size_px: 512, key }
     }
@@ -138,7 +142,7 @@ impl Bark {
         let bytes = bytes_of::<(Spot, [u8; 8])>(n * n);
         monitor.admit("drawing the bark", bytes, "lower bark_size")?;
         let roughness = if self.roughness.is_finite() { self.roughness.clamp(0.0, 3.0) } else { 1.0 };
-        let surface = Surface::new(self.style, roughness, self.key);
+        let surface = Surface::new(self.style, roughness, self.key).fine(size, self.key);
         let lenticels = Lenticels::new(self);
         let mut spots = vec![Spot::default(); n * n];
         spots.par_chunks_mut(n).enumerate().try_for_each(|(row, spots)| {

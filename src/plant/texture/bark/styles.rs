@@ -182,4 +182,41 @@ impl Surface {
         let height = height + rough;
         Spot { height, tint: tint * (1.0 + 1.4 * rough) }
     }
+
+    /// Bases of leaves that were cut off or fell: lozenges in a spiral, each of which stands out towards its upper end, where it
+    /// broke, and hides the foot of those above.
+    pub(super) fn palm(&self, u: f32, v: f32, noises: Noises) -> Spot {
+        /// Round the picture, and how many rows there are up it; an even number.
+        const ACROSS: f32 = 3.0;
+        const ROWS: f32 = 12.0;
+        let Noises { sway, lift, grain, blotch, flake } = noises;
+        let (bu, bv) = (u + 0.030 * sway + 0.006 * grain, v + 0.018 * lift + 0.004 * grain);
+        // Both families of lines between lozenges are those where one of these is whole.
+        let (right, left) = (ACROSS * bu + 0.5 * ROWS * bv, ACROSS * bu - 0.5 * ROWS * bv);
+        let (a, b) = (right - right.floor(), left - left.floor());
+        let (row, place) = ((right.floor() - left.floor()) as i32, (right.floor() + left.floor()) as i32);
+        let (row, column) =
+            (row.rem_euclid(ROWS as i32), (place - (row & 1)).div_euclid(2).rem_euclid(ACROSS as i32));
+        let character = self.character[0][(row * ACROSS as i32 + column) as usize % self.character[0].len()];
+        // -1 the lower corner, 1 the upper one; the sides likewise. How far off the edges above and below.
+        let (rise, side) = (a - b, a + b - 1.0);
+        let (upper, lower) = ((1.0 - a).min(b), a.min(1.0 - b));
+        let edge = 0.03 + 0.04 * flake.max(0.0);
+        let body = smoothstep(0.0, edge, upper + 0.02 * grain);
+        // The broken end: a lip across, ragged, with the ends of fibres in it.
+        let ragged = rise + 0.22 * side * side + 0.16 * flake + 0.10 * grain + 0.25 * (character - 0.5);
+        let broken = smoothstep(0.28, 0.42, ragged) * (1.0 - 0.7 * smoothstep(0.75, 1.0, side.abs()));
+        let fibre = self.fibres.at(bu + 0.01 * sway, bv);
+        let rough = self.roughness * (0.08 * fibre + 0.09 * grain);
+        let keel = 0.12 * (1.0 - side * side);
+        let slope = 0.14 + 0.48 * smoothstep(0.0, 0.6, lower) + keel + 0.16 * (character - 0.5);
+        let height = body * (slope + 0.06 * broken * (1.0 + fibre)) + rough * (0.3 + 0.7 * body);
+        // Its foot lies in the shade of the ends below.
+        let shade = 0.30 + 0.70 * smoothstep(-0.02, 0.24, lower + 0.05 * grain);
+        let dark = 0.12 + 0.88 * smoothstep(0.02, 0.36, height) * shade;
+        let weathered = Vec3::new(1.0, 0.99, 0.97).lerp(Vec3::new(1.06, 1.08, 1.10), 0.5 + 0.5 * blotch);
+        let torn = Vec3::new(1.34, 1.12, 0.84) * (0.95 + 0.30 * fibre);
+        let tint = weathered.lerp(torn, 0.60 * broken) * dark * (0.90 + 0.2 * character + 1.3 * rough);
+        Spot { height, tint }
+    }
 }

@@ -6,6 +6,13 @@ use super::BarkStyle;
 use crate::texture::periodic::{Cells, Noise, Octaves};
 use linden_base::random::Key;
 
+/// Pixels of a side whose noises are fine enough for it.
+const USUAL_PX: u32 = 512;
+
+/// How much finer grain is to be seen in height and in light.
+const FINE_HEIGHT: f32 = 0.035;
+const FINE_TINT: f32 = 0.22;
+
 /// One place of the bark.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Spot {
@@ -51,6 +58,8 @@ pub(super) struct Surface {
     blotches: Octaves,
     flakes: Octaves,
     pub fibres: Noise,
+    /// Grain that only a large picture can hold.
+    fine: Option<Octaves>,
     /// A number 0..1 for each cell, and for each crack cell.
     pub character: [Vec<f32>; 2],
 }
@@ -105,6 +114,7 @@ impl Surface {
                 ..plain
             },
             BarkStyle::Peeling => Lattices { folds: [(4, 3), (5, 4)], flakes: (4, 3, 4), ..plain },
+            BarkStyle::Palm => Lattices { bend: (3, 3), fibres: (110, 9), grain: (30, 14), ..plain },
         };
         let named = |purpose: &str| key.named(purpose);
         let grid = |(across, up): (u32, u32), purpose: &str| Cells::new(across, up, 0.85, named(purpose));
@@ -126,8 +136,17 @@ impl Surface {
             blotches: Octaves::new(4, 4, 4, named("blotches")),
             flakes: Octaves::new(lattices.flakes.0, lattices.flakes.1, lattices.flakes.2, named("flakes")),
             fibres: Noise::new(lattices.fibres.0, lattices.fibres.1, named("fibres")),
+            fine: None,
             character,
         }
+    }
+
+    /// With what a picture of so many pixels shows beyond one of [`USUAL_PX`].
+    pub fn fine(self, size_px: u32, key: Key) -> Self {
+        let octaves = (size_px / USUAL_PX).checked_ilog2().unwrap_or(0);
+        let fine =
+            (octaves > 0).then(|| Octaves::new(USUAL_PX / 2, USUAL_PX / 2, octaves, key.named("fine")));
+        Self { fine, ..self }
     }
 
     /// A row across the branch.
@@ -141,12 +160,20 @@ impl Surface {
             BarkStyle::Smooth => Self::smooth,
             BarkStyle::Birch => Self::birch,
             BarkStyle::Peeling => Self::peeling,
+            BarkStyle::Palm => Self::palm,
         };
         for (i, spot) in spots.iter_mut().enumerate() {
             let u = (i as f32 + 0.5) / n as f32;
             let noises =
                 Noises { sway: sway[i], lift: lift[i], grain: grain[i], blotch: blotch[i], flake: flake[i] };
             *spot = draw(self, u, v, noises);
+        }
+        if let Some(fine) = &self.fine {
+            for (spot, fine) in spots.iter_mut().zip(fine.row(v, n)) {
+                let rough = self.roughness * fine;
+                spot.height += FINE_HEIGHT * rough * (0.3 + 0.7 * spot.height.clamp(0.0, 1.0));
+                spot.tint *= 1.0 + FINE_TINT * rough;
+            }
         }
     }
 }

@@ -105,7 +105,7 @@ fn ridges_run_up_and_lenticels_across() {
 
 #[test]
 fn furrows_are_darker_than_ridges() {
-    for style in [BarkStyle::Ridged, BarkStyle::Plated] {
+    for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Palm] {
         let surface = Surface::new(style, 1.0, Key::new(4));
         let mut spots = vec![Spot::default(); 64 * 64];
         for (i, row) in spots.chunks_exact_mut(64).enumerate() {
@@ -116,6 +116,40 @@ fn furrows_are_darker_than_ridges() {
         let (low, high) = (light(&spots[..400]), light(&spots[3600..]));
         assert!(low < 0.5 * high, "{style:?}: {low} {high}");
     }
+}
+
+/// Who asks for more pixels sees more than the same spots larger.
+#[test]
+fn a_large_picture_has_finer_grain() {
+    for (name, style, _) in BarkStyle::ALL {
+        let rough = |size_px: u32| {
+            let surface = Surface::new(style, 1.0, Key::new(3)).fine(size_px, Key::new(3));
+            let mut spots = vec![Spot::default(); 2048];
+            surface.row(0.4, &mut spots);
+            let bent = |three: &[Spot]| (2.0 * three[1].height - three[0].height - three[2].height).abs();
+            spots.windows(3).map(bent).sum::<f32>()
+        };
+        assert_eq!(rough(16).to_bits(), rough(512).to_bits(), "{name}");
+        assert!(rough(1024) > 1.1 * rough(512), "{name}: {} {}", rough(1024), rough(512));
+        assert!(rough(2048) > 1.2 * rough(1024), "{name}: {} {}", rough(2048), rough(1024));
+    }
+}
+
+/// Each base stands out towards its upper end, above the foot of those behind it.
+#[test]
+fn bases_of_leaves_overlap_like_shingles() {
+    let surface = Surface::new(BarkStyle::Palm, 0.0, Key::new(6));
+    const SIDE: usize = 240;
+    let mut rows = vec![vec![Spot::default(); SIDE]; SIDE];
+    for (i, row) in rows.iter_mut().enumerate() {
+        surface.row(i as f32 / SIDE as f32, row);
+    }
+    // Going up it rises slowly and falls off fast: more of the way leads up.
+    let steps = || (0..SIDE).flat_map(|x| (1..SIDE).map(move |y| (x, y)));
+    let rise = |(x, y): (usize, usize)| rows[y][x].height - rows[y - 1][x].height;
+    let up = steps().filter(|&at| rise(at) > 0.0).count() as f64;
+    let share = up / steps().count() as f64;
+    assert!(share > 0.6, "{share}");
 }
 
 #[test]
