@@ -201,6 +201,7 @@ fn mistakes_are_told_before_anything_grows() {
         (&["--shard", "3/3"][..], "shards of 3 are 0/3 to 2/3"),
         (&["--only", "9-20"], "the manifest has 14 trees"),
         (&["--only", "x"], "expected numbers and ranges"),
+        (&["--merge"], "there is no such folder; leave --merge out"),
     ] {
         let said = batch(&folder, "out", args);
         assert!(said.code == Some(2) && said.err.contains(expected), "{}", said.err);

@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde_json::value::RawValue;
 
-use super::Layout;
+use super::{Layout, LayoutError};
 use linden_base::document::{Datum, Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{Kind, excerpt, printable};
 
@@ -95,10 +95,12 @@ impl ForestDocument {
                 "summary" => entry.node.text("summary")?.clone_into(&mut forest.summary),
                 "tree" => forest.trees = TREES.read(&entry.node, tree_line)?,
                 name => {
-                    let fault = |message| Fault { place: entry.place, message };
+                    if !HEADINGS.contains(&name) {
+                        Layout::find(name).map_err(|error| fault_at(entry, &error))?;
+                    }
                     let value = typed(entry)?;
                     if !HEADINGS.contains(&name) {
-                        forest.layout.set(name, &value).map_err(|error| fault(error.to_string()))?;
+                        forest.layout.set(name, &value).map_err(|error| fault_at(entry, &error))?;
                     }
                 }
             }
@@ -151,6 +153,10 @@ impl ForestDocument {
         }
         Ok(self)
     }
+}
+
+fn fault_at(entry: &Entry, error: &LayoutError) -> Fault {
+    Fault { place: entry.place, message: error.to_string() }
 }
 
 fn needs_preset(number: usize) -> String {
@@ -325,6 +331,7 @@ mod tests {
             ),
             ("id = \" \"\n[[tree]]\npreset = \"fir\"\n", "'id' is empty"),
             ("\narea = 0\n[[tree]]\npreset = \"fir\"\n", "2:1: knob 'area'"),
+            ("[[tree]]\npreset = \"fir\"\n[[obstacle]]\nx = 1\n", "a forest has no knob 'obstacle'"),
             ("area = [1]\n[[tree]]\npreset = \"fir\"\n", "1:8: 'area' is a list"),
             ("area = 1e60\n[[tree]]\npreset = \"fir\"\n", "1:1: knob 'area' of a forest"),
             ("[[tree]]\npreset = \"fir\"\nsize = 1e60\n", "3:8: knob 'size'"),

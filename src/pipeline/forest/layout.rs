@@ -218,15 +218,21 @@ impl Layout {
     /// # Errors
     /// An unknown name, or a value that the knob does not take.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), LayoutError> {
-        let Some(knob) = FOREST_KNOBS.iter().find(|row| row.knob.name == name) else {
-            let known = || FOREST_KNOBS.iter().map(|row| row.knob.name);
-            let nearest = nearest(name, known());
-            return Err(LayoutError::Unknown { name: name.to_owned(), nearest, known: known().collect() });
-        };
+        let knob = Self::find(name)?;
         let bad = |problem| LayoutError::Value { name: knob.knob.name, problem };
         let value = knob.knob.kind.parse(text).map_err(bad)?;
         (knob.write)(self, value);
         Ok(())
+    }
+
+    /// The knob of this name.
+    pub(super) fn find(name: &str) -> Result<&'static ForestKnob, LayoutError> {
+        let known = || FOREST_KNOBS.iter().map(|row| row.knob.name);
+        FOREST_KNOBS.iter().find(|row| row.knob.name == name).ok_or_else(|| LayoutError::Unknown {
+            name: name.to_owned(),
+            nearest: nearest(name, known()),
+            known: known().collect(),
+        })
     }
 }
 

@@ -60,6 +60,12 @@ impl Merged {
         progress: &Progress,
     ) -> anyhow::Result<()> {
         self.check(part.is_some())?;
+        if !out.is_dir() {
+            let folder = show(out);
+            return Err(usage(format!(
+                "merging the trees in {folder}: there is no such folder; leave --merge out to grow them there first"
+            )));
+        }
         let table = self.places.as_deref().map(|path| Table::read(path, plan, progress)).transpose()?;
         let rows = Rows::read(out)?;
         let found = Found::of(plan, &rows, out, progress)?;
