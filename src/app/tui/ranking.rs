@@ -1,6 +1,7 @@
 //! What was typed, against names: letters in their order, as fzf ranks them. Beginnings and starts of words count more,
 //! gaps cost.
 
+use nucleo_matcher::chars;
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 
@@ -25,6 +26,22 @@ impl Ranking {
     /// How well a name matches; `None` where it does not.
     pub fn score(&mut self, name: &str) -> Option<u32> {
         self.pattern.score(Utf32Str::new(name, &mut self.buffer), &mut self.matcher)
+    }
+
+    /// Whether each word of what was typed is the beginning of a word in one of these texts, whatever its case and its
+    /// accents. What is said of a thing at length has most letters in some order, so that they alone tell nothing.
+    pub fn is_told(&self, texts: &[&str]) -> bool {
+        let typed = folded(&self.typed);
+        let mut wanted: Vec<&str> = typed.split_whitespace().collect();
+        for text in texts {
+            if wanted.is_empty() {
+                break;
+            }
+            let text = folded(text);
+            let begins_word = |at: usize| text[..at].chars().next_back().is_none_or(|c| !c.is_alphanumeric());
+            wanted.retain(|word| !text.match_indices(*word).any(|(at, _)| begins_word(at)));
+        }
+        wanted.is_empty()
     }
 
     /// Whether a name is what was typed, begins with it, or neither: this counts before any score.
@@ -68,6 +85,11 @@ fn plain(name: &str) -> String {
     name.trim().to_lowercase().replace('_', " ")
 }
 
+/// A text in small letters without accents.
+fn folded(text: &str) -> String {
+    text.chars().flat_map(char::to_lowercase).map(chars::normalize).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -86,6 +108,16 @@ mod tests {
         assert_eq!(best("form"), Some("form_leaf_x"));
         assert_eq!(best("leaf m"), Some("leaf_margin"));
         assert_eq!(best("zq"), None);
+        for (typed, told) in [
+            ("bare TRUNK", true),
+            ("runk", false),
+            ("trunk palubicki", true),
+            ("trunk fir", false),
+            ("", true),
+        ] {
+            let texts = ["A crown on a bare trunk.", "after Pałubicki et al."];
+            assert_eq!(Ranking::of(typed).is_told(&texts), told, "{typed}");
+        }
         assert_eq!(Ranking::of("lf").marked("leaf_form").map(|(_, marks)| marks), Some(vec![0, 5]));
     }
 }

@@ -52,6 +52,8 @@ struct Choice {
     hindrance: Option<String>,
     /// Of a preset: its tags.
     tags: Vec<String>,
+    /// Of a preset: what is told of it.
+    told: [String; 2],
 }
 
 #[derive(Clone)]
@@ -85,6 +87,7 @@ impl Palette {
             about: "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned(),
             hindrance: None,
             tags: Vec::new(),
+            told: Default::default(),
         };
         Self { input: Input::default(), selected: 0, choices: choices(model), file }
     }
@@ -114,9 +117,14 @@ impl Palette {
             };
             // A title is meant more often than another name of the same.
             let score = title.map(|score| 3 * score).into_iter().chain(other.map(|score| 2 * score)).max();
-            if let Some(score) = score {
+            let Choice { title, about, told: [summary, source], .. } = choice;
+            let is_told = || {
+                matches!(choice.what, What::Preset(_)) && ranking.is_told(&[title, about, summary, source])
+            };
+            // What is told of a preset comes after all names.
+            if score.is_some() || is_told() {
                 found.push((
-                    (ranking.closeness(&choice.title), score),
+                    (ranking.closeness(title), score.unwrap_or(0)),
                     Found { choice, value: None, marks: marks.unwrap_or_default() },
                 ));
             }
@@ -328,6 +336,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: command.help.to_owned(),
         hindrance: (command.hindrance)(model),
         tags: Vec::new(),
+        told: Default::default(),
     };
     let commands = model.commands().filter(|command| is_meant(command.context)).map(command);
     // Panes lie behind a dialog.
@@ -343,6 +352,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
         tags: Vec::new(),
+        told: Default::default(),
     });
     let ages = panes.into_iter().flat_map(|tree| shape::ages::ages(tree.preset()));
     let ages = ages.map(|(name, about)| Choice {
@@ -351,6 +361,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about,
         hindrance: None,
         tags: Vec::new(),
+        told: Default::default(),
     });
     let forest = model.forest.as_ref().filter(|_| model.dialogs.is_empty());
     let of_forest = forest.into_iter().flat_map(|forest| forest.wanted().layout.knobs());
@@ -360,6 +371,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
         tags: Vec::new(),
+        told: Default::default(),
     });
     let presets = library.entries.iter().filter(|_| model.dialogs.is_empty()).map(|entry| Choice {
         what: What::Preset(entry.place.clone()),
@@ -367,6 +379,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: linden::knob::printable(&entry.name),
         hindrance: None,
         tags: library.tags_of(entry).into_iter().map(str::to_owned).collect(),
+        told: [entry.summary.clone(), entry.source.clone()],
     });
     let formats = export::formats().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
         what: What::Format(exporter.format().id),
@@ -374,6 +387,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("exports {}", exporter.format().name),
         hindrance: None,
         tags: Vec::new(),
+        told: Default::default(),
     });
     let settings = SETTINGS.iter().filter(|_| model.dialogs.is_empty()).map(|setting| Choice {
         what: What::Setting(setting),
@@ -381,6 +395,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("{}: {}", setting.value(&model.config.settings), setting.help),
         hindrance: None,
         tags: Vec::new(),
+        told: Default::default(),
     });
     commands.chain(ages).chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
 }

@@ -59,6 +59,14 @@ fn ages_are_shown_one_after_the_other() {
 }
 
 #[test]
+fn a_preset_is_found_by_what_is_told_of_it() {
+    let mut bench = Bench::new(100, 30).without_pictures();
+    bench.keys(":").types("crataegus");
+    let palette = bench.model.dialogs.top::<Palette>().unwrap();
+    assert_eq!(palette.found()[0].choice.title, "so-windswept");
+}
+
+#[test]
 fn a_whole_name_comes_before_what_merely_has_its_letters() {
     for (typed, first) in
         [("fir", "fir"), ("season", "season"), ("seed", "seed"), ("age", "age"), ("PNG", "png")]

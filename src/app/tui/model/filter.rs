@@ -32,14 +32,17 @@ impl Listing<'_> {
         }
         let (wanted, words) = split_tags(self.filter);
         let mut ranking = Ranking::of(&words);
-        let mut found: Vec<(u32, usize, Vec<u32>)> = Vec::new();
+        let mut found: Vec<(Option<u32>, usize, Vec<u32>)> = Vec::new();
         for (i, entry) in
             entries.iter().enumerate().filter(|(_, entry)| has_tags(&self.tags_of(entry), &wanted))
         {
             let (id, marks) = ranking.marked(&entry.id).unzip();
             // A hit in the id is meant more often than one in the name or the group.
             let about = ranking.score(&format!("{} {}", entry.name, entry.group));
-            if let Some(score) = id.map(|score| 2 * score).into_iter().chain(about).max() {
+            let score = id.map(|score| 2 * score).into_iter().chain(about).max();
+            // What is told of it is read below the list, and typed again; it comes after all names.
+            let PresetEntry { id, name, group, summary, source, .. } = entry;
+            if score.is_some() || ranking.is_told(&[id, name, group, summary, source]) {
                 found.push((score, i, marks.unwrap_or_default()));
             }
         }
@@ -156,6 +159,26 @@ mod tests {
         assert_eq!(ids("bush")[0], "bush-3d");
         assert_eq!(ids("abpc")[0], "abop-c", "letters may be left out");
         assert!(ids("zzqx").is_empty());
+    }
+
+    #[test]
+    fn what_is_told_of_a_preset_is_found_after_all_names() {
+        for (typed, id) in [
+            ("hawthorn", "so-windswept"),
+            ("crataegus", "so-windswept"),
+            ("Quercus", "oak"),
+            ("bare trunk", "scots-pine"),
+        ] {
+            assert!(ids(typed).iter().any(|found| found == id), "{typed}: {:?}", ids(typed));
+        }
+        let library = Library::builtin();
+        let told = |id: &str, word: &str| {
+            let entry = library.entries.iter().find(|entry| entry.id == id).unwrap();
+            entry.name.to_lowercase().contains(word) || entry.id.contains(word)
+        };
+        let found = ids("birch");
+        let first_told = found.iter().position(|id| !told(id, "birch")).unwrap_or(found.len());
+        assert!(first_told > 0 && found[first_told..].iter().all(|id| !told(id, "birch")), "{found:?}");
     }
 
     #[test]
