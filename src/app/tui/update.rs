@@ -114,6 +114,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::NotPainted(why) => {
             model.growth.pause();
             model.wind.stop();
+            model.picture.has_failed = true;
             model.say_error(format!("drawing: {why}"));
         }
         Msg::Broken(doing, why) => {

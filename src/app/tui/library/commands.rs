@@ -85,7 +85,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["/"],
         title: "Find",
-        help: "Among the knobs goes to the one whose name you type, elsewhere filters the list of presets as you type; Enter keeps that, Esc drops it",
+        help: "Among the knobs goes to the one whose name you type, elsewhere filters the list of presets as you type; Enter keeps that, Esc gives the list and the tree back as they were",
         hint: Some(30),
         hindrance: free,
         run: |model, _| {
@@ -93,7 +93,7 @@ pub const COMMANDS: &[Command] = &[
                 return shape::find_knob(model);
             }
             model.focus_on(Pane::Presets);
-            let line = FilterLine::new(&model.library.filter);
+            let line = FilterLine::new(model);
             model.dialogs.open(line);
         },
     },

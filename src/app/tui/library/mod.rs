@@ -60,8 +60,13 @@ pub fn set_filter(model: &mut Model, text: &str, effects: &mut Effects) {
 
 /// Shows what the cursor is on.
 pub fn show_selected(model: &mut Model, effects: &mut Effects) {
-    let Some(entry) = model.library.entry() else { return };
-    let place = entry.place.clone();
+    if let Some(place) = model.library.entry().map(|entry| entry.place.clone()) {
+        show_place(model, place, effects);
+    }
+}
+
+/// Shows the tree or the forest of a place.
+fn show_place(model: &mut Model, place: TreePlace, effects: &mut Effects) {
     if model.loading.as_ref() == Some(&place) {
         return;
     }
@@ -77,7 +82,7 @@ pub fn show_selected(model: &mut Model, effects: &mut Effects) {
     if let Some(at) = model.library.forests.iter().position(|forest| forest.place == place) {
         let forest = model.library.forests.remove(at);
         model.loading = None;
-        clear(model);
+        clear(model, &place);
         model.forest = Some(forest);
         return;
     }
@@ -87,13 +92,14 @@ pub fn show_selected(model: &mut Model, effects: &mut Effects) {
 
 /// Puts a tree on screen; the one before goes onto the shelf if it was changed.
 fn take(model: &mut Model, tree: Tree) {
-    clear(model);
+    clear(model, &tree.place);
     model.tree = Some(tree);
 }
 
-/// Takes what is on screen away; a tree goes onto the shelf if it was changed.
-fn clear(model: &mut Model) {
-    model.library.before = model.place().cloned().or_else(|| model.library.before.take());
+/// Takes what is on screen away for what comes from `next`; a tree goes onto the shelf if it was changed.
+fn clear(model: &mut Model, next: &TreePlace) {
+    let shown = model.place().cloned();
+    model.library.passes_to(shown.as_ref(), next);
     if let Some(before) = model.tree.take().filter(Tree::is_modified) {
         model.library.shelve(before);
     }
@@ -195,7 +201,7 @@ fn reread_forest(model: &mut Model, place: TreePlace, source: ForestSource, chan
     match again {
         // The last one stays on screen while the new one grows.
         Some(before) => forest.shown = before.shown,
-        None => clear(model),
+        None => clear(model, &forest.place),
     }
     model.forest = Some(forest);
 }
@@ -221,7 +227,9 @@ pub fn file_removed(
         Ok((path, kept)) => {
             removed(model, &TreePlace::File(path), effects);
             match kept {
-                Some(kept) => model.say(format!("removed: it is {} now", show(&kept))),
+                Some(kept) => {
+                    model.say(format!("removed; to get it back, open {} and save it", show(&kept)));
+                }
                 None => model.say("removed: its file was gone already"),
             }
             effects.push(Effect::Reconfigure);

@@ -82,6 +82,9 @@ fn a_preset_is_removed_after_a_question() {
     bench.keys("delete");
     assert!(bench.said().contains("built in"), "{}", bench.said());
     bench.model.library.select_place(&place);
+    bench.model.library.step(-1);
+    let last = bench.model.library.entry().unwrap().id.clone();
+    bench.model.library.select_place(&place);
     bench.keys("n delete");
     let (buffer, _) = bench.paint(120, 40);
     assert!(
@@ -97,5 +100,42 @@ fn a_preset_is_removed_after_a_question() {
     bench.send(Msg::Removed(Ok((path, kept))));
     relist(&mut bench, dir.path());
     assert!(bench.model.library.places().all(|(_, other)| *other != place) && bench.model.tree.is_none());
-    assert!(bench.effects.iter().any(|effect| matches!(effect, Effect::Load(_))), "its neighbour is shown");
+    let neighbour = bench.model.library.entry().map(|entry| entry.id.clone());
+    assert_eq!(neighbour.as_deref(), Some(last.as_str()), "the one before the last of the list");
+    let loaded = bench.effects.iter().find_map(|effect| match effect {
+        Effect::Load(TreePlace::Builtin(id)) => Some(*id),
+        _ => None,
+    });
+    assert_eq!(loaded, Some(last.as_str()), "its neighbour is shown");
+    assert!(bench.said().contains(".removed") && bench.said().contains("open"), "{}", bench.said());
+}
+
+#[test]
+fn escape_gives_the_tree_and_the_cursor_back_from_the_filter() {
+    use crate::tui::testing::Bench;
+    let mut bench = Bench::new(120, 40).without_pictures().with_plain("simple");
+    bench.run("preset-next");
+    bench.settle();
+    let cursor = |bench: &Bench| {
+        let library = &bench.model.library;
+        (bench.model.place().cloned(), library.selected_row(), library.before.clone())
+    };
+    let before = cursor(&bench);
+    assert!(before.2.is_some());
+    bench.keys("/");
+    for c in ["f", "i", "r"] {
+        bench.types(c).settle();
+    }
+    assert_eq!(bench.model.place(), Some(&TreePlace::Builtin("fir")));
+    bench.keys("esc").settle();
+    assert_eq!(cursor(&bench), before);
+    // Taken, the tree before is the one that the filter was opened on, however many passed by.
+    bench.keys("/").types("oa").settle();
+    bench.keys("backspace backspace").types("fir").keys("enter").settle();
+    assert_eq!(bench.model.place(), Some(&TreePlace::Builtin("fir")));
+    assert_eq!(bench.model.library.before, before.0);
+    // Given up before anything was read, nothing has changed either.
+    let now = cursor(&bench);
+    bench.keys("esc /").types("oak").keys("esc").settle();
+    assert_eq!((cursor(&bench).0, cursor(&bench).2), (now.0, now.2));
 }

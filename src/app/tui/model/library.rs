@@ -37,6 +37,8 @@ pub struct Library {
     pub tags: BTreeMap<String, Vec<String>>,
     /// The place that was on screen before the one that is.
     pub before: Option<TreePlace>,
+    /// While the filter is typed, and until what it found is read: where the user came from.
+    pub passing: Option<Passing>,
     /// Changed trees that are not on screen.
     pub shelf: Vec<Tree>,
     /// Changed forests that are not on screen.
@@ -45,7 +47,41 @@ pub struct Library {
     pub unread: Vec<(TreePlace, Changes)>,
 }
 
+/// Where the user was before trees passed by that nobody stays at: each key of the filter shows what it finds.
+#[derive(Clone, Debug)]
+pub struct Passing {
+    /// What was on screen, or on its way there.
+    pub from: Option<TreePlace>,
+    /// The place before that one.
+    before: Option<TreePlace>,
+    /// Whether the next tree is the one that was found.
+    ends: bool,
+}
+
 impl Library {
+    /// From here on trees pass by: `shown` is on screen, `loading` on its way there.
+    pub fn begin_passing(&mut self, shown: Option<&TreePlace>, loading: Option<&TreePlace>) {
+        let before = shown.filter(|_| loading.is_some()).or(self.before.as_ref()).cloned();
+        self.passing = Some(Passing { from: loading.or(shown).cloned(), before, ends: false });
+    }
+
+    /// What is found stays: what is on screen, or what is being read.
+    pub fn end_passing(&mut self, is_being_read: bool) {
+        self.passing =
+            self.passing.take().filter(|_| is_being_read).map(|passing| Passing { ends: true, ..passing });
+    }
+
+    /// `next` comes on screen in the place of `shown`, which is the place before now, unless it only passed by.
+    pub fn passes_to(&mut self, shown: Option<&TreePlace>, next: &TreePlace) {
+        let before = match &self.passing {
+            Some(Passing { from, before, .. }) if from.as_ref() == Some(next) => before.as_ref(),
+            Some(Passing { from, before, .. }) => from.as_ref().or(before.as_ref()),
+            None => shown.or(self.before.as_ref()),
+        };
+        self.before = before.cloned();
+        self.passing = self.passing.take().filter(|passing| !passing.ends);
+    }
+
     /// What is built in.
     pub fn builtin() -> Self {
         // The tests read every built-in document.
@@ -77,6 +113,7 @@ impl Library {
             favourites: BTreeSet::new(),
             tags: BTreeMap::new(),
             before: None,
+            passing: None,
             shelf: Vec::new(),
             forests: Vec::new(),
             unread: Vec::new(),
@@ -208,9 +245,24 @@ impl Library {
         u16::try_from(longest + 2).unwrap_or(u16::MAX)
     }
 
-    /// Takes entries off the list.
+    /// Takes entries off the list. A cursor on one of them goes to the next that stays, or else to the one before.
     pub fn forget(&mut self, is_forgotten: impl Fn(&TreePlace) -> bool) {
+        let places = |rows: &[ListRow]| -> Vec<TreePlace> {
+            let indices = rows.iter().filter_map(|row| match row {
+                ListRow::Entry(index, _) => Some(*index),
+                ListRow::Heading(_) => None,
+            });
+            indices.map(|index| self.entries[index].place.clone()).collect()
+        };
+        let at = self.selected_row().unwrap_or(0);
+        let (before, after) = self.rows.split_at(at);
+        let (before, after) = (places(before), places(after));
         let selected = self.entry().map(|entry| entry.place.clone());
+        let selected = selected
+            .into_iter()
+            .chain(after)
+            .chain(before.into_iter().rev())
+            .find(|place| !is_forgotten(place));
         self.entries.retain(|entry| !is_forgotten(&entry.place));
         self.arrange();
         if let Some(place) = selected {
@@ -369,6 +421,13 @@ impl Library {
     pub fn filter_by(&mut self, text: &str) {
         text.clone_into(&mut self.filter);
         self.arrange();
+    }
+
+    /// Sets the filter that was set before, with the cursor where it was.
+    pub fn go_back(&mut self, filter: &str, place: Option<&TreePlace>, group: Option<String>) {
+        let found = self.entries.iter().position(|entry| Some(&entry.place) == place);
+        (self.selected, self.at_group) = (found.unwrap_or(self.selected), group);
+        self.filter_by(filter);
     }
 
     /// Lists anew. The cursor stays where it is if it can, else it goes to the first row.

@@ -83,6 +83,8 @@ pub struct PictureState {
     pub painted: Option<Box<Painted>>,
     /// Whether that is of what was chosen before, until there is a picture of what is chosen now.
     pub is_of_before: bool,
+    /// Whether the last one that was asked for could not be drawn.
+    pub has_failed: bool,
     /// What stays framed while something is dragged, which would run away from the pointer otherwise.
     pub frozen: Option<Extent>,
     /// Where the pointer was while a button is down.
@@ -108,6 +110,7 @@ impl Default for PictureState {
             turning: None,
             painted: None,
             is_of_before: false,
+            has_failed: false,
             frozen: None,
             drag: None,
             keeps_camera: false,

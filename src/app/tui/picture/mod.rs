@@ -96,6 +96,7 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
     picture.is_of_before = picture.painted.is_some();
+    picture.has_failed = false;
     (picture.drag, picture.level, picture.frozen, picture.slice_m) = (None, None, None, None);
     if picture.keeps_camera {
         return;
@@ -258,6 +259,7 @@ pub fn painted(model: &mut Model, painted: Painted) {
         Subject::Tree(_) | Subject::Forest(_) => wanted_subject(model).is_some_and(|shown| shown.is(subject)),
     };
     model.picture.is_of_before &= !is_shown;
+    model.picture.has_failed = false;
     model.picture.painted = Some(Box::new(painted));
 }
 

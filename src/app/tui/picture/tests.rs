@@ -26,6 +26,15 @@ fn the_last_picture_stands_until_the_next_is_there_and_goes_where_none_will_come
 }
 
 #[test]
+fn the_first_picture_is_announced_while_it_is_drawn_unless_it_cannot_be() {
+    let mut bench = Bench::grown(120, 40).without_pictures();
+    bench.model.picture.painted = None;
+    assert!(bench.screen().contains("drawing …"), "{}", bench.screen());
+    bench.msg(Msg::NotPainted("too large".to_owned()));
+    assert!(!bench.screen().contains("drawing …"), "{}", bench.screen());
+}
+
+#[test]
 fn levels_of_detail_are_gone_through_and_are_those_of_an_export() {
     let mut bench = Bench::new(120, 40).with("dressed-bush");
     bench.keys("D");

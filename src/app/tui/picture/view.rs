@@ -142,8 +142,9 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         }
     } else if let Some(growing) = growing {
         say(buffer, area.y, &words(growing), theme.busy);
-    } else if !has_grown && standing(model).is_none() {
-        say(buffer, area.y + area.height / 2, "growing …", theme.dim);
+    } else if standing(model).is_none() && (!has_grown || !model.picture.has_failed) {
+        let text = if has_grown { "drawing …" } else { "growing …" };
+        say(buffer, area.y + area.height / 2, text, theme.dim);
     }
 }
 
