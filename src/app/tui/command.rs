@@ -14,6 +14,8 @@ pub struct Context {
     place: u8,
     id: &'static str,
     title: &'static str,
+    /// Whether letters are text there.
+    is_typed: bool,
 }
 
 impl Context {
@@ -30,7 +32,12 @@ impl Context {
 
     /// A context, `place` being where help has it between the others.
     pub const fn new(place: u8, id: &'static str, title: &'static str) -> Self {
-        Self { place, id, title }
+        Self { place, id, title, is_typed: false }
+    }
+
+    /// The same where letters are text, and no key of a letter means a command of elsewhere.
+    pub const fn typed(self) -> Self {
+        Self { is_typed: true, ..self }
     }
 
     /// What keymaps call it.
@@ -41,6 +48,11 @@ impl Context {
     /// What help calls it.
     pub const fn title(self) -> &'static str {
         self.title
+    }
+
+    /// Whether letters are text there.
+    pub const fn is_typed(self) -> bool {
+        self.is_typed
     }
 
     /// Whether its keys are listened to only while no dialog is open.

@@ -121,3 +121,41 @@ fn what_is_opened_meanwhile_lies_above() {
     dialogs.close::<Diary>();
     assert!(dialogs.last().is_none());
 }
+
+#[test]
+fn help_opens_in_every_mode_at_its_section_and_goes_back_to_it() {
+    for (tree, open) in [
+        ("abop-stochastic", "v"),
+        ("abop-stochastic", "e"),
+        ("abop-stochastic", "a"),
+        ("abop-stochastic", "a w"),
+        ("abop-stochastic", "d"),
+        ("simple", "A"),
+    ] {
+        for key in ["?", "f1"] {
+            let mut bench = Bench::new(120, 40).without_pictures().with_plain(tree);
+            bench.keys(open);
+            let (context, screen) = (bench.model.context(), bench.screen());
+            assert!(!context.is_below_dialogs(), "{open}");
+            assert!(screen.lines().last().unwrap().contains("? Help"), "{open}: {screen}");
+            bench.keys(key);
+            let page = bench.model.dialogs.top::<super::chrome::Page>().unwrap();
+            let first = format!("{:?}", page.lines[0]);
+            assert!(first.contains(context.title()), "{open}: {first}");
+            bench.keys(key);
+            assert_eq!((bench.model.context(), bench.screen()), (context, screen), "{open}");
+        }
+    }
+    // Where text is typed a question mark is text, and F1 helps.
+    for open in ["/", ":", "x", "a c"] {
+        let mut bench = Bench::new(120, 40).without_pictures().with_plain("abop-stochastic");
+        bench.keys(open);
+        let depth = bench.model.dialogs.len();
+        bench.keys("?");
+        assert_eq!(bench.model.dialogs.len(), depth, "{open}");
+        bench.keys("f1");
+        assert!(bench.model.dialogs.top::<super::chrome::Page>().is_some(), "{open}");
+        bench.keys("f1");
+        assert_eq!(bench.model.dialogs.len(), depth, "{open}");
+    }
+}

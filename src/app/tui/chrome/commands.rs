@@ -33,10 +33,14 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["?", "f1"],
         title: "Help",
-        help: "Shows all commands with their keys",
+        help: "Shows all commands with their keys, those of where you are first; again closes it",
         hint: Some(90),
         hindrance: free,
-        run: |model, _| {
+        run: |model, effects| {
+            // On a page it is the key that opened it.
+            if model.dialogs.top::<Page>().is_some() {
+                return model.cancel(effects);
+            }
             let page = Page::help(model);
             model.dialogs.open(page);
         },

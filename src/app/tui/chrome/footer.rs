@@ -5,9 +5,10 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 use unicode_width::UnicodeWidthStr;
 
+use super::page;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
-use crate::tui::model::{Command, Model, Weight};
+use crate::tui::model::{Command, HELP, Message, Model, Weight};
 use crate::wrap::clipped;
 
 /// Hints from this place on have their room before all others: the ways to other panes, to help and out.
@@ -89,7 +90,10 @@ pub fn hints(model: &Model) -> Vec<Hint> {
     let outer: &[Context] = if model.dialogs.is_empty() { &[Context::GLOBAL, Context::ALWAYS] } else { &[] };
     let mut found: Vec<&Command> = model
         .commands()
-        .filter(|command| command.context == here || outer.contains(&command.context))
+        .filter(|command| {
+            let is_help = command.id == HELP && !here.is_typed() && here != page::CONTEXT;
+            command.context == here || outer.contains(&command.context) || is_help
+        })
         .filter(|command| command.hint.is_some() && (command.hindrance)(model).is_none())
         .collect();
     found.sort_by_key(|command| command.hint);

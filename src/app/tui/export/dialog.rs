@@ -32,7 +32,7 @@ const YAW: &str = "yaw";
 /// Where the dialog's keys are listened to.
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
 /// Where the keys of a line in the dialog are listened to.
-pub const LINE: Context = Context::new(51, "export-line", "While typing where to export to");
+pub const LINE: Context = Context::new(51, "export-line", "While typing where to export to").typed();
 
 /// What the dialog offers.
 pub struct ExportDialog {

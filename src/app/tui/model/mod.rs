@@ -16,6 +16,7 @@ mod wind;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use linden_terminal::input::Shortcut;
 use linden_terminal::probe::{Capabilities, Graphics};
 use ratatui::layout::Rect;
@@ -48,6 +49,9 @@ use crate::jobs::Measured;
 const MOST_POPUP_ROWS: u16 = 14;
 /// Columns and rows that a dialog of text has room in.
 const LEAST_POPUP: (u16, u16) = (24, 8);
+
+/// The command that is within reach in dialogs too.
+pub const HELP: &str = "help";
 
 /// A message of no weight leaves the footer after this.
 const MESSAGE_STAYS: Duration = Duration::from_secs(4);
@@ -221,6 +225,9 @@ impl Model {
         keymap
             .lookup(here.id(), key)
             .or_else(|| outer.iter().find_map(|context| keymap.lookup(context.id(), key)))
+            .or_else(|| {
+                keymap.lookup(Context::GLOBAL.id(), key).filter(|id| *id == HELP && !is_text(here, key))
+            })
     }
 
     /// Runs a command, or says why it cannot be used.
@@ -314,6 +321,13 @@ impl Model {
         let forest = self.forest.as_ref().map(|forest| &forest.place);
         self.tree.as_ref().map(|tree| &tree.place).or(forest)
     }
+}
+
+/// Whether a key is text at a place.
+fn is_text(here: Context, key: Shortcut) -> bool {
+    let key = KeyEvent::from(key);
+    let held = key.modifiers - KeyModifiers::SHIFT;
+    here.is_typed() && matches!(key.code, KeyCode::Char(_)) && held.is_empty()
 }
 
 /// For commands that can always be used.

@@ -22,7 +22,7 @@ use crate::tui::model::Model;
 use crate::tui::tree::Tree;
 
 /// Where the editor's keys are listened to.
-pub const CONTEXT: Context = Context::new(60, "grammar", "In the grammar");
+pub const CONTEXT: Context = Context::new(60, "grammar", "In the grammar").typed();
 /// The spot that the text is.
 pub(super) const TEXT: usize = 0;
 
