@@ -159,3 +159,49 @@ fn help_opens_in_every_mode_at_its_section_and_goes_back_to_it() {
         assert_eq!(bench.model.dialogs.len(), depth, "{open}");
     }
 }
+
+#[test]
+fn questions_have_their_answers_whole_on_narrow_screens() {
+    use super::testing::form::{FormBench, text};
+    use super::tree::TreePlace;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("presets/mine.toml");
+    std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+    std::fs::write(&path, "id = \"mine\"\n[colonization]\ncrown = \"sphere\"\npoints = 200\n").unwrap();
+    for columns in [80, 60] {
+        let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
+        bench.list(&dir.path().join("presets"));
+        bench.model.library.select_place(&TreePlace::File(path.clone()));
+        bench.on("points").keys("right E");
+        let screen = text(&bench.paint(columns, 24).0);
+        // Words that are wrapped are whole.
+        let words = screen.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(
+            words.contains("y writes your changes into the file first, n opens it without them"),
+            "{screen}"
+        );
+        assert!(words.contains("save first? y or n"), "{screen}");
+        bench.keys("esc");
+        bench.model.focus_on(super::layout::Pane::Presets);
+        bench.keys("delete");
+        let screen = text(&bench.paint(columns, 24).0);
+        let words = screen.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains("remove 'mine'? y or n") && words.contains("not saved are lost"), "{screen}");
+        bench.keys("esc");
+        bench.model.exporting.running = Some(super::model::RunningExport {
+            number: 1,
+            name: "a-tree-with-a-long-name.glb +2".to_owned(),
+            doing: None,
+            done: 0,
+        });
+        bench.keys("q");
+        let screen = text(&bench.paint(columns, 24).0);
+        assert!(screen.contains("once more cancels the running export and leaves"), "{screen}");
+        let welcome = super::chrome::footer::welcome(&bench.model);
+        bench.model.say(welcome);
+        let screen = text(&bench.paint(columns, 24).0);
+        assert!(screen.contains("? all keys"), "{screen}");
+        bench.model.message = None;
+        assert!(text(&bench.paint(columns, 24).0).contains("a-tree"), "the gauge is back");
+    }
+}

@@ -279,6 +279,6 @@ fn quit(model: &mut Model, effects: &mut Effects) {
     if model.exporting.may_leave(model.now) {
         effects.push(Effect::Quit);
     } else {
-        model.say_warning("an export is running: once more cancels it and leaves");
+        model.say_warning("once more cancels the running export and leaves");
     }
 }

@@ -21,7 +21,10 @@ pub fn view(model: &Model, status: Line<'_>, area: Rect, buffer: &mut Buffer, vi
     if area.is_empty() {
         return;
     }
-    let width = (status.width() as u16).min(area.width / 2);
+    // What is said is read now, and perhaps answered; how far an export is can be read when that has gone.
+    let is_said = |message: &Message| message.text.width() + status.width() + 2 > area.width.into();
+    let is_hidden = model.message.as_ref().is_some_and(is_said);
+    let width = if is_hidden { 0 } else { (status.width() as u16).min(area.width / 2) };
     ratatui::widgets::Widget::render(status, Rect { x: area.right() - width, width, ..area }, buffer);
     let area = Rect { width: area.width - width, ..area };
     if model.message.is_some() {
@@ -57,10 +60,10 @@ fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
 /// What whoever opens the workbench for the first time is told.
 pub fn welcome(model: &Model) -> String {
     let ways = [
+        ("help", "all keys"),
         ("preset-next", "another tree"),
         ("focus-next", "its knobs"),
         ("export", "write it as a file"),
-        ("help", "all keys"),
     ];
     let key = |id| model.config.keymap.keys_of(id).first().map(|key| key_label(model, &key.to_string()));
     let ways = ways.into_iter().filter_map(|(id, what)| Some(format!("{} {what}", key(id)?)));
@@ -222,12 +225,12 @@ mod tests {
         let said = welcome(&bench.model);
         assert_eq!(
             said,
-            "Welcome to linden: j another tree, Tab its knobs, e write it as a file, ? all keys"
+            "Welcome to linden: ? all keys, j another tree, Tab its knobs, e write it as a file"
         );
         let keymap = "[keys]\npreset-next = \"n\"\n";
         let (keymap, _) = Keymap::read(Path::new("keymap.toml"), keymap, &crate::tui::commands::key_table());
         bench.model.config.keymap = keymap;
-        assert!(welcome(&bench.model).starts_with("Welcome to linden: n another tree"));
+        assert!(welcome(&bench.model).starts_with("Welcome to linden: ? all keys, n another tree"));
     }
 
     #[test]

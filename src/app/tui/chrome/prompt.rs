@@ -13,10 +13,13 @@ use crate::system::CTRL_ALT_TYPES;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
-use crate::wrap::clipped;
+use crate::wrap::{clipped, wrapped_within};
 
 /// Where the keys of typed lines are listened to, and of the palette.
-pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line");
+pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line").typed();
+
+/// The most rows of what is said above a line: answers to a question are read whole.
+const REMARK_ROWS: u16 = 2;
 
 /// A line that is typed.
 pub struct Prompt {
@@ -113,12 +116,16 @@ impl Prompt {
         if let Some(remark) = remark
             && screen.height >= 2
         {
-            let above = Rect { y: row.y - 1, ..row };
+            let most = usize::from((screen.height - 1).min(REMARK_ROWS));
+            let rows = wrapped_within(&remark.text, usize::from(row.width).saturating_sub(1), most);
+            let height = rows.len() as u16;
+            let above = Rect { y: row.y - height, height, ..row };
             let style = theme.popup.patch(if remark.warns { theme.warning } else { theme.dim });
             Clear.render(above, buffer);
             buffer.set_style(above, style);
-            let text = clipped(&format!(" {}", remark.text), above.width.into());
-            buffer.set_stringn(above.x, above.y, text, above.width.into(), style);
+            for (text, y) in rows.iter().zip(above.y..) {
+                buffer.set_stringn(above.x + 1, y, text, usize::from(above.width) - 1, style);
+            }
         }
     }
 }

@@ -47,8 +47,7 @@ impl Dialog<Model> for SaveFirstLine {
     }
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let text =
-            "the file does not have your changes: y writes them into it first, n opens it without them";
+        let text = "y writes your changes into the file first, n opens it without them";
         let remark = Remark { text: text.to_owned(), warns: true };
         self.prompt.paint_at_bottom(model, "save first? y or n", Some(&remark), screen, buffer, view);
     }
