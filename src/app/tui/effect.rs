@@ -22,8 +22,10 @@ pub enum Effect {
     Load(TreePlace),
     /// Put text on the clipboard (OSC 52).
     Copy(String),
-    /// Save a preset in the user's folder ([`super::shape::save::write`]); answered by `Msg::Saved`.
+    /// Save a preset ([`super::shape::save::write`]); answered by `Msg::Saved`.
     Save {
+        /// The folder; `None` for the user's.
+        dir: Option<PathBuf>,
         /// Its id.
         id: String,
         /// Where its document was: what lies beside it comes along.
@@ -33,8 +35,10 @@ pub enum Effect {
         /// Whether one of that id may be replaced.
         overwrite: bool,
     },
-    /// Save a forest in the user's folder ([`super::forest::save::write`]); answered by `Msg::ForestSaved`.
+    /// Save a forest ([`super::forest::save::write`]); answered by `Msg::ForestSaved`.
     SaveForest {
+        /// The folder; `None` for the user's.
+        dir: Option<PathBuf>,
         /// Its id.
         id: String,
         /// Where its document was.

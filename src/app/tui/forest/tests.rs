@@ -132,7 +132,7 @@ fn a_forest_is_saved_under_a_name() {
     bench.keys("n s");
     assert!(bench.screen().contains("save forest as: orchard-2"), "{}", bench.screen());
     let save = |bench: &mut Bench| {
-        let Some(Effect::SaveForest { id, from, forest, overwrite }) = bench.effects.pop() else {
+        let Some(Effect::SaveForest { id, from, forest, overwrite, .. }) = bench.effects.pop() else {
             panic!("nothing is to be saved: {:?}", bench.effects)
         };
         let presets = bench.model.config.dirs.presets().unwrap();

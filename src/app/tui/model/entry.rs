@@ -24,6 +24,8 @@ pub struct PresetEntry {
     pub tags: Vec<String>,
     /// Why it cannot be read, if it cannot.
     pub fault: Option<String>,
+    /// Whether its file is not there any more.
+    pub is_gone: bool,
 }
 
 /// A row of the list.
@@ -75,7 +77,17 @@ impl PresetEntry {
             TreePlace::File(path) => path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         };
         let [name, summary, source] = [(); 3].map(|()| String::new());
-        Self { place, id, name, group: group.to_owned(), summary, source, tags: Vec::new(), fault: None }
+        Self {
+            place,
+            id,
+            name,
+            group: group.to_owned(),
+            summary,
+            source,
+            tags: Vec::new(),
+            fault: None,
+            is_gone: false,
+        }
     }
 
     /// The entry of a preset.
@@ -89,6 +101,7 @@ impl PresetEntry {
             source: preset.source.clone(),
             tags: preset.tags.clone(),
             fault: None,
+            is_gone: false,
         }
     }
 }

@@ -9,7 +9,6 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use linden::Quiet;
 use linden::knob::excerpt;
-use linden::recipe::Recipe;
 
 use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
@@ -41,13 +40,15 @@ impl Runtime {
             }
             Effect::Load(place) => self.desk.load(place),
             Effect::Copy(text) => self.copy(&text),
-            Effect::Save { id, from, recipe, overwrite } => {
-                let saved = self.save(&id, &from, &recipe, overwrite);
+            Effect::Save { dir, id, from, recipe, overwrite } => {
+                let saved =
+                    self.folder(dir).and_then(|dir| save::write(&dir, &id, &from, &recipe, overwrite));
                 self.update(Msg::Saved(saved));
             }
-            Effect::SaveForest { id, from, forest, overwrite } => {
-                let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets".to_owned());
-                let saved = dir.and_then(|dir| forest::save::write(&dir, &id, &from, &forest, overwrite));
+            Effect::SaveForest { dir, id, from, forest, overwrite } => {
+                let saved = self
+                    .folder(dir)
+                    .and_then(|dir| forest::save::write(&dir, &id, &from, &forest, overwrite));
                 self.update(Msg::ForestSaved(saved));
             }
             Effect::Edit(text) => {
@@ -146,15 +147,10 @@ impl Runtime {
         self.display.beside(bytes.as_bytes(), Instant::now());
     }
 
-    fn save(
-        &self,
-        id: &str,
-        from: &TreePlace,
-        recipe: &Recipe,
-        overwrite: bool,
-    ) -> Result<(String, PathBuf), String> {
-        let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets")?;
-        save::write(&dir, id, from, recipe, overwrite)
+    /// The folder that something is saved in: the user's where none is named.
+    fn folder(&self, dir: Option<PathBuf>) -> Result<PathBuf, String> {
+        let users = || self.model.config.dirs.presets();
+        dir.or_else(users).ok_or_else(|| "there is no folder for presets".to_owned())
     }
 
     /// Edits text in the user's editor.

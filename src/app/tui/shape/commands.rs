@@ -359,10 +359,13 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["s"],
         title: "Save as",
-        help: "Saves the tree as a preset of your own, a forest as one of yours",
+        help: "Saves the tree or the forest as one of yours, an opened document in its file, or at a path that you type",
         hint: Some(38),
         hindrance: |model| {
-            without_form(model).or_else(|| {
+            // Why there is nothing: a file that is gone, say.
+            let fault = || model.library.entry().and_then(|entry| entry.fault.clone());
+            let is_empty = model.tree.is_none() && model.forest.is_none();
+            without_form(model).map(|why| fault().filter(|_| is_empty).unwrap_or(why)).or_else(|| {
                 model
                     .config
                     .dirs

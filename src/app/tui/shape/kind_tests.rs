@@ -97,7 +97,9 @@ fn kinds_are_saved_and_read_again() {
     let presets = dir.path().join("presets");
     let mut bench = FormBench::at(TreePlace::Builtin("apple"), dir.path().to_owned());
     bench.on("also.1.leaf_keep").typed("i0.25\n").keys("+ s enter");
-    let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else { panic!("not saved") };
+    let Some(Effect::Save { id, from, recipe, overwrite, .. }) = bench.effects.pop() else {
+        panic!("not saved")
+    };
     bench.send(Msg::Saved(save::write(&presets, &id, &from, &recipe, overwrite)));
     let path = presets.join("apple-2.toml");
     let read = crate::source::resolve(&path, &[], &Quiet).unwrap().recipe.preset;

@@ -13,7 +13,7 @@ use linden_exporters::{Bundle, ExportError, commit_all};
 
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
-use crate::paths::show;
+use crate::paths::{expand, show};
 use crate::reading;
 use crate::trust;
 use crate::tui::model::Model;
@@ -22,11 +22,17 @@ use crate::tui::tree::TreePlace;
 /// No document that people write is larger.
 const MOST_BYTES: u64 = 16 << 20;
 
-/// The id that saving proposes for what has an id and comes from a place, a tree or a forest: one of the user's keeps its id, of any other it is a copy with
-/// the first number that is free.
+/// What saving proposes for what has an id and comes from a place, a tree or a forest: one of the user's keeps its id,
+/// an opened document its path; of any other it is the id of a copy, with the first number that is free.
 pub fn proposed(model: &Model, id: &str, from: &TreePlace) -> String {
     if file_of(model, id).is_some_and(|path| *from == TreePlace::File(path)) {
         return id.to_owned();
+    }
+    // A document that was opened elsewhere is saved where it is.
+    if let TreePlace::File(path) = from
+        && file_of(model, &show(path)).as_ref() == Some(path)
+    {
+        return show(path);
     }
     // What was numbered already goes on counting: fir-2, fir-3.
     let stem = match id.rsplit_once('-') {
@@ -38,19 +44,58 @@ pub fn proposed(model: &Model, id: &str, from: &TreePlace) -> String {
     (2..100_000).map(|n: u32| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
 }
 
-/// The file that a preset of that id is saved in.
-fn file_of(model: &Model, id: &str) -> Option<PathBuf> {
-    Some(model.config.dirs.presets()?.join(format!("{id}.toml")))
+/// Where something is saved.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Destination {
+    /// The folder; `None` for that of the user's presets.
+    pub dir: Option<PathBuf>,
+    /// Its id, which names its file there.
+    pub id: String,
 }
 
-/// Why a tree cannot be saved under an id.
-pub fn problem(id: &str) -> Option<String> {
-    presets::check_id(id).err().map(|why| format!("'{}' cannot be a preset's id: {why}", excerpt(id)))
+impl Destination {
+    /// Reads what was typed: an id, or a path, which begins like one or ends in `.toml`.
+    ///
+    /// # Errors
+    /// Why nothing can be saved there.
+    pub fn read(typed: &str) -> Result<Self, String> {
+        let check = |id: &str, what: &str| {
+            presets::check_id(id).map_err(|why| format!("'{}' cannot be {what}: {why}", excerpt(id)))
+        };
+        if !is_path(typed) {
+            check(typed, "a preset's id")?;
+            return Ok(Self { dir: None, id: typed.to_owned() });
+        }
+        let path = expand(typed, std::env::home_dir().as_deref());
+        let name = path.file_name().filter(|_| !typed.ends_with(std::path::is_separator));
+        let name = name.and_then(|name| name.to_str()).ok_or("the name of the file is missing")?;
+        let id = name.strip_suffix(".toml").unwrap_or(name);
+        check(id, "the name of a document")?;
+        Ok(Self { dir: Some(path.parent().unwrap_or(Path::new("")).to_owned()), id: id.to_owned() })
+    }
+}
+
+/// Whether what was typed is a path, and no id.
+fn is_path(typed: &str) -> bool {
+    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start)) || typed.ends_with(".toml")
+}
+
+/// The file that something is saved in under what was typed.
+fn file_of(model: &Model, typed: &str) -> Option<PathBuf> {
+    let Destination { dir, id } = Destination::read(typed).ok()?;
+    Some(dir.or_else(|| model.config.dirs.presets())?.join(format!("{id}.toml")))
+}
+
+/// Why nothing can be saved under what was typed.
+pub fn problem(typed: &str) -> Option<String> {
+    Destination::read(typed).err()
 }
 
 /// What saving under an id would mean, for who is typing it.
 pub fn consequence(model: &Model, id: &str) -> String {
-    if replaces(model, id) {
+    if replaces(model, id) && is_path(id) {
+        "the file is there; you will be asked before it is replaced".to_owned()
+    } else if replaces(model, id) {
         "there is one of that name; you will be asked before it is replaced".to_owned()
     } else if builtin(id).is_ok() {
         "a built-in preset has that name; on a command line it means the built-in one".to_owned()
@@ -66,14 +111,14 @@ pub fn consequence(model: &Model, id: &str) -> String {
 pub fn replaces(model: &Model, id: &str) -> bool {
     let Some(path) = file_of(model, id) else { return false };
     let place = TreePlace::File(path);
-    model.library.places().any(|(_, other)| *other == place)
+    model.library.entries.iter().any(|entry| entry.place == place && !entry.is_gone)
 }
 
-/// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, and the
-/// files that it needs stand beside it under its name.
+/// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, a document keeps what it
+/// says where it is saved back, and the files that it needs stand beside it under its name.
 pub fn renamed(recipe: &Recipe, from: &TreePlace, id: &str, path: &Path) -> Recipe {
     let mut recipe = recipe.clone();
-    if recipe.preset.id != id {
+    if recipe.preset.id != id && *from != TreePlace::File(path.to_owned()) {
         id.clone_into(&mut recipe.preset.id);
         id.clone_into(&mut recipe.preset.name);
     }

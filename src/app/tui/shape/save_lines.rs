@@ -8,7 +8,7 @@ use linden::recipe::Recipe;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-use super::save;
+use super::save::{self, Destination};
 use crate::tui::chrome::prompt::{self, Prompt, Remark};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
@@ -28,7 +28,7 @@ pub struct SaveLine {
 /// The line of the answer: yes or no.
 struct ReplaceLine {
     prompt: Prompt,
-    /// The id in question.
+    /// The id or the path in question, as it was typed.
     id: String,
     what: Saving,
 }
@@ -42,10 +42,12 @@ enum Saving {
 
 impl Saving {
     /// Asks for it to be saved.
-    fn order(&self, id: String, overwrite: bool, effects: &mut Effects) {
+    fn order(&self, typed: &str, overwrite: bool, effects: &mut Effects) {
+        // What is wrong with it was said while it was typed.
+        let Ok(Destination { dir, id }) = Destination::read(typed) else { return };
         effects.push(match self.clone() {
-            Self::Tree { from, recipe } => Effect::Save { id, from, recipe, overwrite },
-            Self::Forest { from, forest } => Effect::SaveForest { id, from, forest, overwrite },
+            Self::Tree { from, recipe } => Effect::Save { dir, id, from, recipe, overwrite },
+            Self::Forest { from, forest } => Effect::SaveForest { dir, id, from, forest, overwrite },
         });
     }
 }
@@ -120,7 +122,7 @@ impl Dialog<Model> for SaveLine {
         if save::replaces(model, &id) {
             model.dialogs.open(ReplaceLine { prompt: Prompt::new(""), id, what: self.what.clone() });
         } else {
-            self.what.order(id, false, effects);
+            self.what.order(&id, false, effects);
         }
         After::Closes
     }
@@ -142,7 +144,9 @@ impl Dialog<Model> for ReplaceLine {
     }
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let label = format!("replace '{}'? y or n", linden::knob::excerpt(&self.id));
+        // Of a path the name says enough, and leaves room for the answers.
+        let name = self.id.rsplit(std::path::is_separator).next().unwrap_or_default();
+        let label = format!("replace '{}'? y or n", linden::knob::excerpt(name));
         let remark = Remark { text: save::loss(model, &self.id).to_owned(), warns: true };
         self.prompt.paint_at_bottom(model, &label, Some(&remark), screen, buffer, view);
     }
@@ -151,7 +155,7 @@ impl Dialog<Model> for ReplaceLine {
     fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
         match key.code {
             KeyCode::Char('y' | 'Y') if key.modifiers - KeyModifiers::SHIFT == KeyModifiers::NONE => {
-                self.what.order(self.id.clone(), true, effects);
+                self.what.order(&self.id, true, effects);
                 After::Closes
             }
             KeyCode::Char(_) => self.accept(model, effects),

@@ -16,7 +16,7 @@ fn written(dir: &Path, name: &str) -> String {
 
 /// Does what the model asks for, as the runtime does.
 fn save(bench: &mut FormBench, dir: &Path) {
-    let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else {
+    let Some(Effect::Save { id, from, recipe, overwrite, .. }) = bench.effects.pop() else {
         panic!("nothing was to be saved: {}", bench.said())
     };
     bench.send(Msg::Saved(save::write(dir, &id, &from, &recipe, overwrite)));
@@ -147,4 +147,45 @@ fn what_is_saved_is_the_tree_that_the_line_was_opened_for() {
     let Some(Effect::Save { id, from, recipe: saved, .. }) = bench.effects.pop() else { panic!() };
     assert_eq!((id.as_str(), from), ("mytree", TreePlace::Builtin("fir")));
     assert!(std::sync::Arc::ptr_eq(&saved, &recipe));
+}
+
+#[test]
+fn an_opened_file_is_saved_back_and_a_path_is_a_place() {
+    let dir = tempfile::tempdir().unwrap();
+    let species = dir.path().join("species");
+    std::fs::create_dir(&species).unwrap();
+    let path = species.join("mine.toml");
+    let document =
+        "id = \"bush\" # mine\nname = \"Bush\"\n\n[colonization]\ncrown = \"sphere\"\npoints = 200\n";
+    std::fs::write(&path, document).unwrap();
+    let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
+    let preset = bench.tree().preset().clone();
+    bench.model.library.add_file(path.clone(), &preset);
+    bench.on("points").keys("right s");
+    let shown = text(&bench.paint(120, 24).0);
+    assert!(shown.contains("species/mine.toml") && shown.contains("you will be asked"), "{shown}");
+    bench.keys("enter");
+    assert!(bench.effects.is_empty());
+    let shown = text(&bench.paint(60, 24).0);
+    assert!(shown.contains("replace 'mine.toml'? y or n") && shown.contains("comments stay"), "{shown}");
+    bench.typed("y");
+    let write = |bench: &mut FormBench| {
+        let Some(Effect::Save { dir, id, from, recipe, overwrite }) = bench.effects.pop() else { panic!() };
+        bench.effects.clear();
+        let saved = save::write(&dir.unwrap(), &id, &from, &recipe, overwrite);
+        bench.send(Msg::Saved(saved));
+    };
+    write(&mut bench);
+    let points = bench.value("points");
+    assert_eq!(written(&species, "mine.toml"), document.replace("200", &points), "its id stays, too");
+    assert!(!bench.tree().is_modified());
+    // Elsewhere it is a copy, with or without the ending.
+    let copy = species.join("copy");
+    bench.keys("s ctrl-u").typed(copy.to_str().unwrap()).keys("enter");
+    write(&mut bench);
+    assert!(written(&species, "copy.toml").contains(&format!("points = {points}")));
+    assert_eq!(bench.tree().place, TreePlace::File(species.join("copy.toml")));
+    for typed in ["/", "./", "/tmp/a:b", "x/"] {
+        assert!(save::problem(typed).is_some(), "{typed}");
+    }
 }
