@@ -37,6 +37,8 @@ pub struct Tree {
     draft: Option<Draft>,
     /// Whether the saved one is looked at for comparison (A/B).
     pub compares: bool,
+    /// Whether its document is gone: nothing but this tree knows what it says.
+    pub is_orphan: bool,
     /// The last that grew. Stays on screen while another grows, and when another cannot.
     pub shown: Option<Arc<ShownTree>>,
     /// Why the recipe on screen did not grow.
@@ -87,6 +89,7 @@ impl Tree {
             series: None,
             draft: None,
             compares: false,
+            is_orphan: false,
             shown: None,
             fault: None,
             growing: None,
@@ -135,9 +138,9 @@ impl Tree {
         &self.current.preset
     }
 
-    /// Whether anything differs from the document.
+    /// Whether anything differs from the document, or that is gone.
     pub fn is_modified(&self) -> bool {
-        self.current.preset != self.saved.preset
+        self.is_orphan || self.current.preset != self.saved.preset
     }
 
     /// Whether a knob differs from the document.
@@ -310,6 +313,7 @@ impl Tree {
     /// and nothing that was changed is lost.
     pub fn saved_as(&mut self, place: TreePlace, recipe: Arc<Recipe>) {
         self.place = place;
+        self.is_orphan = false;
         self.saved = recipe;
         self.series = None;
     }
@@ -327,6 +331,7 @@ impl Tree {
             }
         }
         self.place = place;
+        self.is_orphan = false;
         self.saved = Arc::clone(&self.current);
         self.series = None;
         self.compares = false;
@@ -352,8 +357,11 @@ impl Tree {
     }
 
     /// The knobs that differ from the document, as `--set` takes them; `None` when knobs alone do
-    /// not lead there (the grammar was edited).
+    /// not lead there (the grammar was edited, the document is gone).
     pub fn overrides(&self) -> Option<Vec<(&'static str, String)>> {
+        if self.is_orphan {
+            return None;
+        }
         let mut preset = self.saved.preset.clone();
         let mut set = Vec::new();
         // A choice (the crown's shape) brings knobs along: what comes after it in the table is

@@ -31,6 +31,8 @@ pub enum Msg {
     Terminal(Box<Capabilities>),
     /// A preset was read, or why not.
     Loaded(TreePlace, Result<AnySource, String>),
+    /// A preset's file is not there, and what was said of that.
+    Gone(TreePlace, String),
     /// How far the growing is.
     Growing(HowFar),
     /// The wanted recipe grew, or why not.
@@ -97,6 +99,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         }
         Msg::Terminal(capabilities) => model.terminal = *capabilities,
         Msg::Loaded(place, source) => library::loaded(model, place, source, &mut effects),
+        Msg::Gone(place, why) => library::gone(model, place, why, &mut effects),
         Msg::Growing(growing) => {
             if let Some(tree) = &mut model.tree {
                 tree.growing = Some(growing);

@@ -152,6 +152,27 @@ pub fn loaded(
     }
 }
 
+/// The file of a preset that was to be read is not there. A tree that was changed is kept as it is on screen, or comes
+/// back whole where the last session has all of it; it can be saved anew.
+pub fn gone(model: &mut Model, place: TreePlace, why: String, effects: &mut Effects) {
+    let on_screen = model.tree.as_mut().filter(|tree| tree.place == place && tree.is_modified());
+    if let Some(tree) = on_screen {
+        tree.is_orphan = true;
+        model.library.mark_gone(&place);
+    } else if model.loading.as_ref() == Some(&place)
+        && let Some(preset) = model.library.take_whole(&place)
+    {
+        model.loading = None;
+        model.library.mark_gone(&place);
+        let mut tree = Tree::new(place, Recipe::new(preset));
+        tree.is_orphan = true;
+        take(model, tree);
+        let said = "this is the tree as you left it, and 'Save as' writes it anew";
+        return model.say_warning(format!("{said}: {why}"));
+    }
+    loaded(model, place, Err(why), effects);
+}
+
 /// The changes that are to be made to what was read: those of the last session, then those of the command line.
 /// Each is a step of undo.
 fn changes_of(model: &mut Model, place: &TreePlace) -> Vec<Changes> {
@@ -212,6 +233,9 @@ pub fn listed(model: &mut Model, presets: Vec<UserPreset>, complaints: Vec<Compl
     let changed_forest =
         model.forest.as_ref().filter(|forest| forest.is_modified()).map(|forest| &forest.place);
     model.library.set_user(presets, changed_tree.or(changed_forest));
+    if let Some(tree) = model.tree.as_mut().filter(|tree| tree.is_modified()) {
+        tree.is_orphan |= model.library.is_gone(&tree.place);
+    }
     for complaint in complaints {
         model.say_error(complaint.to_string());
     }

@@ -139,3 +139,50 @@ fn escape_gives_the_tree_and_the_cursor_back_from_the_filter() {
     bench.keys("esc /").types("oak").keys("esc").settle();
     assert_eq!((cursor(&bench).0, cursor(&bench).2), (now.0, now.2));
 }
+
+#[test]
+fn a_tree_whose_file_went_comes_back_whole_and_is_saved_anew() {
+    let (dir, path, mut bench) = own_preset();
+    let place = TreePlace::File(path.clone());
+    bench.model.library.select_place(&place);
+    bench.on("points").keys("right");
+    let turned = bench.value("points");
+    std::fs::remove_file(&path).unwrap();
+    relist(&mut bench, dir.path());
+    assert_eq!(bench.tree().overrides(), None, "the session has all of it");
+    let whole = bench.tree().recipe().to_line();
+    let typing = |bench: &mut FormBench| {
+        bench.keys("s");
+        let shown = text(&bench.paint(120, 40).0);
+        assert!(shown.contains("goes to ") && !shown.contains("you will be asked"), "{shown}");
+        bench.keys("enter");
+        let Some(Effect::Save { id, from, recipe, overwrite, .. }) = bench.effects.pop() else { panic!() };
+        crate::tui::shape::save::write(path.parent().unwrap(), &id, &from, &recipe, overwrite)
+    };
+    // The next start.
+    let mut next = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
+    next.model.tree = None;
+    let changes = crate::tui::tree::Changes { knobs: Vec::new(), whole: Some(whole) };
+    next.model.library.expect(place.clone(), changes);
+    next.model.library.select_place(&place);
+    next.model.loading = Some(place.clone());
+    next.send(Msg::Gone(place.clone(), "no such file".to_owned()));
+    assert!(next.said().contains("writes it anew"), "{}", next.said());
+    assert_eq!((&next.tree().place, next.value("points")), (&place, turned.clone()));
+    assert!(next.tree().is_modified());
+    let saved = typing(&mut next);
+    next.send(Msg::Saved(saved));
+    assert!(std::fs::read_to_string(&path).unwrap().contains(&turned));
+    assert!(!next.tree().is_modified());
+    std::fs::remove_file(&path).unwrap();
+    // Of knobs alone no tree can be made: why is said.
+    let mut next = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
+    next.model.tree = None;
+    let changes = crate::tui::tree::Changes { knobs: vec![("points".into(), "300".into())], whole: None };
+    next.model.library.expect(place.clone(), changes);
+    next.model.library.select_place(&place);
+    next.model.loading = Some(place.clone());
+    next.send(Msg::Gone(place.clone(), "no such file".to_owned()));
+    next.keys("s");
+    assert!(next.said().contains("no such file") && next.said().contains(".removed"), "{}", next.said());
+}

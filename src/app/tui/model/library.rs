@@ -88,7 +88,7 @@ impl Library {
         let entries = builtins().iter().filter_map(|builtin| {
             let Heading { name, group, summary, source, tags, .. } = builtin.heading().ok()?;
             let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
-            Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None })
+            Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None, is_gone: false })
         });
         let forests = builtin_forests().iter().filter_map(|builtin| {
             let document = builtin.load().ok()?;
@@ -101,6 +101,7 @@ impl Library {
                 source: String::new(),
                 tags: Vec::new(),
                 fault: None,
+                is_gone: false,
             })
         });
         let mut library = Self {
@@ -134,6 +135,7 @@ impl Library {
             }
             if entry.group != OPENED && entry.fault.is_none() {
                 entry.fault = Some(gone(path));
+                entry.is_gone = true;
             }
             entry.group == OPENED || changed == Some(&entry.place) || self.is_shelved(&entry.place)
         });
@@ -151,11 +153,44 @@ impl Library {
             source: preset.source,
             tags: preset.tags,
             fault: preset.state.err().map(|complaint| complaint.to_string()),
+            is_gone: false,
         }));
+        let entries = &self.entries;
+        let is_gone = |place: &TreePlace| entries.iter().any(|entry| entry.place == *place && entry.is_gone);
+        for tree in &mut self.shelf {
+            tree.is_orphan |= is_gone(&tree.place);
+        }
         self.arrange();
         if let Some(place) = selected {
             self.select_place(&place);
         }
+    }
+
+    /// Whether the file of a place is not there any more.
+    pub fn is_gone(&self, place: &TreePlace) -> bool {
+        self.entries.iter().any(|entry| entry.place == *place && entry.is_gone)
+    }
+
+    /// The file of a place is not there any more, and what was changed of its tree is.
+    pub fn mark_gone(&mut self, place: &TreePlace) {
+        if let (TreePlace::File(path), Some(entry)) =
+            (place, self.entries.iter_mut().find(|entry| entry.place == *place))
+        {
+            (entry.fault, entry.is_gone) = (Some(gone(path)), true);
+        }
+    }
+
+    /// The whole preset of a tree that was changed in the last session, where the session has that; it is kept here no
+    /// longer.
+    pub fn take_whole(&mut self, place: &TreePlace) -> Option<Preset> {
+        let at = self.unread.iter().position(|(other, _)| is_same(other, place))?;
+        let preset = Preset::from_json(self.unread[at].1.whole.as_deref()?).ok()?;
+        // Files beside the document may be gone with it.
+        if !preset.files().is_empty() {
+            return None;
+        }
+        self.unread.remove(at);
+        Some(preset)
     }
 
     /// Makes sure that a file is listed: one that was named when the program was started, say.
@@ -212,7 +247,10 @@ impl Library {
     pub fn mark_fault(&mut self, place: &TreePlace, why: &str) {
         let unread = self.unread.iter().any(|(other, _)| is_same(other, place));
         if let Some(entry) = self.entries.iter_mut().find(|entry| entry.place == *place).filter(|_| unread) {
-            entry.fault = Some(format!("{why}; what you changed is kept until it can be read"));
+            entry.fault = Some(format!(
+                "{why}; what you changed is kept until it can be read, but not all of the tree: put the file back \
+                 (one that was removed here lies in the folder .removed beside it)"
+            ));
         }
     }
 
@@ -222,7 +260,12 @@ impl Library {
             && self.entries.iter().all(|entry| entry.place != tree.place)
         {
             let entry = PresetEntry::of(tree.place.clone(), tree.preset());
-            self.add(PresetEntry { group: OPENED.to_owned(), fault: Some(gone(path)), ..entry });
+            self.add(PresetEntry {
+                group: OPENED.to_owned(),
+                fault: Some(gone(path)),
+                is_gone: true,
+                ..entry
+            });
         }
         self.shelf.retain(|other| other.place != tree.place);
         self.shelf.push(tree);

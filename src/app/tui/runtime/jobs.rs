@@ -3,7 +3,8 @@
 //! What has to be grown and drawn follows from the model, whatever led there: after each round of
 //! messages [`Desk::sync`] compares what the model wants with what was asked for last.
 
-use std::path::PathBuf;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
@@ -197,6 +198,9 @@ impl Desk {
         match news {
             News::Load(answer) if answer.number != self.asked_load => None,
             News::Load(answer) => match answer.done {
+                Done::Value((TreePlace::File(path), Err(why))) if is_missing(&path) => {
+                    Some(Msg::Gone(TreePlace::File(path), why))
+                }
                 Done::Value((place, source)) => Some(Msg::Loaded(place, source)),
                 Done::Broken(why) => Some(Msg::Broken("reading", why)),
                 Done::Progress(_) | Done::Finished => None,
@@ -354,4 +358,8 @@ fn read(place: TreePlace, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
     if !watcher.is_cancelled() {
         give((place, read.map_err(|error| exit::sentence(&error))));
     }
+}
+/// Whether there is no file at a path.
+fn is_missing(path: &Path) -> bool {
+    std::fs::metadata(path).is_err_and(|error| error.kind() == ErrorKind::NotFound)
 }

@@ -242,6 +242,7 @@ pub fn is_kept(msg: &Msg) -> bool {
         msg,
         Msg::Input(_)
             | Msg::Loaded(..)
+            | Msg::Gone(..)
             | Msg::Saved(_)
             | Msg::ForestSaved(_)
             | Msg::Removed(_)
