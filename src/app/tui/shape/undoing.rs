@@ -1,6 +1,7 @@
 //! Undo and redo: what each of them changed is said, and the cursor goes there.
 
 use linden::preset::Preset;
+use linden::skeleton::edit::Edit;
 
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::grammar_of;
@@ -8,6 +9,8 @@ use crate::wrap::clipped;
 
 /// Cells of a value in what is said.
 const VALUE: usize = 24;
+/// The same of an edit of the wood.
+const EDIT: usize = 32;
 
 /// What differs after a step.
 struct Difference {
@@ -40,7 +43,7 @@ pub fn walk(model: &mut Model, is_undo: bool) {
             } else {
                 tree.redo();
             }
-            differences(&before.preset, tree.preset())
+            differences(&before.preset, tree.preset(), is_undo)
         }
         (None, None) => return,
     };
@@ -61,8 +64,23 @@ fn knob(name: &'static str, was: &str, is: &str) -> Difference {
     Difference { words, spot: FormSpot::Knob(name) }
 }
 
+/// What was done to the edits of the wood, as it was said when it was done.
+fn of_edits(was: &[Edit], is: &[Edit]) -> String {
+    let beyond = |edits: &[Edit], others: &[Edit]| -> Vec<String> {
+        let new = edits.iter().filter(|edit| !others.contains(edit));
+        new.map(|edit| clipped(&edit.plain().to_string(), EDIT)).collect()
+    };
+    match (&beyond(was, is)[..], &beyond(is, was)[..]) {
+        ([], [one]) => one.clone(),
+        ([], [one, rest @ ..]) => format!("{one} and {} more", rest.len()),
+        ([one], []) => format!("taken away: {one}"),
+        ([one], [other]) => format!("{one} → {other}"),
+        _ => "the edits of the wood".to_owned(),
+    }
+}
+
 /// What differs, in the order of the form.
-fn differences(before: &Preset, after: &Preset) -> Vec<Difference> {
+fn differences(before: &Preset, after: &Preset, is_undo: bool) -> Vec<Difference> {
     let mut found = Vec::new();
     if grammar_of(before) != grammar_of(after) {
         found.push(Difference { words: "the grammar".to_owned(), spot: FormSpot::Rule(0) });
@@ -79,7 +97,11 @@ fn differences(before: &Preset, after: &Preset) -> Vec<Difference> {
         let same = before.edits.iter().zip(&after.edits).take_while(|(was, is)| was == is).count();
         let last = after.edits.len().saturating_sub(1);
         found.push(Difference {
-            words: "the edits of the wood".to_owned(),
+            words: if is_undo {
+                of_edits(&after.edits, &before.edits)
+            } else {
+                of_edits(&before.edits, &after.edits)
+            },
             spot: FormSpot::Edit(same.min(last)),
         });
     }

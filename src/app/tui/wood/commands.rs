@@ -100,7 +100,7 @@ pub const COMMANDS: &[Command] = &[
         "wood-remove",
         &["x", "delete"],
         "Remove",
-        "Takes the axis away with all that it bears",
+        "Takes the axis away with all that it bears, and goes to the next one",
         Some(13),
         |m, _| {
             remove(m);

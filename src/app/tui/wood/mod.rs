@@ -211,12 +211,15 @@ fn edited(tree: &Tree, text: &str, replaces: Option<usize>) -> Result<Preset, St
     Ok(preset)
 }
 
-/// Takes the axis that is picked away.
+/// Takes the axis that is picked away. The one that leaves next above is picked then, or else the one below, or what
+/// bore it.
 fn remove(model: &mut Model) {
     let Some(pick) = model.dialogs.top::<WoodPick>() else { return };
     let text = pick.text(Operation::Remove.word());
-    if let Err(why) = add(model, &text, None) {
-        model.say_warning(why);
+    let next = pick.beside(true).or_else(|| pick.beside(false)).or_else(|| pick.parent());
+    match add(model, &text, None) {
+        Ok(()) => go(model, |_| next),
+        Err(why) => model.say_warning(why),
     }
 }
 

@@ -38,15 +38,23 @@ fn an_axis_is_picked_by_keys_taken_away_and_given_back() {
     let tip = skeleton.positions[*nodes.last().unwrap() as usize];
     assert!(marks.bare && marks.lines.len() == 1);
     assert_eq!((marks.lines[0].len(), marks.lines[0].last()), (nodes.len() + 1, Some(&tip)));
+    let pick = bench.model.dialogs.find::<WoodPick>().unwrap();
+    let next = pick.beside(true).or(pick.beside(false)).unwrap();
+    let next = skeleton.axis_path(next).unwrap().to_string();
     bench.keys("x").settle();
     let tree = bench.model.tree.as_ref().unwrap();
     let edits: Vec<String> = tree.preset().edits.iter().map(|edit| edit.plain().to_string()).collect();
     assert!(tree.preset().edits[0].near.is_some(), "it is found again after other changes");
     assert!(edits[0].starts_with(&format!("remove {on_path}")), "{edits:?}");
     let (fewer, on) = state(&bench);
-    assert!(fewer < all && on == "stem", "{fewer} of {all}, on {on}: what bore it");
+    assert!(fewer < all && on == next, "{fewer} of {all}, on {on}: the next one, {next}");
+    let said = |bench: &Bench| bench.model.message.clone().unwrap().text;
     bench.keys("u").settle();
     assert_eq!(state(&bench).0, all);
+    assert_eq!(said(&bench), format!("undone: remove {on_path}"));
+    bench.keys("ctrl-r").settle();
+    assert_eq!(said(&bench), format!("done again: remove {on_path}"));
+    bench.keys("u").settle();
     bench.keys("esc");
     assert!(bench.model.dialogs.is_empty());
 }
