@@ -145,7 +145,9 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     // What grew from other knobs says nothing of these.
     if let Some(shown) = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted())) {
         let m = &shown.measures;
-        figures.push(format!("{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));
+        // What is on screen while growth is played has not been measured.
+        let of_which = if model.growth.step().is_some() { "grown: " } else { "" };
+        figures.push(format!("{of_which}{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));
         figures.push(format!("{} m tall", metres(m.height_m)));
         figures.push(format!("crown {} m", metres(m.crown_width_m)));
         figures.push(format!("order {}", m.max_order));

@@ -37,7 +37,9 @@ pub fn younger(model: &Model) -> Option<(String, Option<String>)> {
         Some(generator) => {
             let mut young: Preset = preset.clone();
             young.generator = generator;
-            young.knobs().into_iter().find(|(knob, _)| preset.differs(knob, &young))
+            // Where no tree is of fewer years than one, no setting makes the one of none.
+            let is_older = step == 0 && preset.generator.at_step(1).is_some_and(|one| one == young.generator);
+            young.knobs().into_iter().find(|(knob, _)| !is_older && preset.differs(knob, &young))
         }
         // An age is a share of the iterations.
         None => preset.knobs().into_iter().find(|(knob, _)| knob.knob.name == "age").map(|(knob, age)| {

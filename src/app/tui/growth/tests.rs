@@ -83,6 +83,14 @@ fn the_age_that_is_told_is_of_the_step_on_screen() {
             assert_eq!(Steps::after(told.parse().unwrap(), count), step, "{told} of {count}");
         }
     }
+    let mut bench = Bench::new(140, 30).without_pictures().with_plain("so-hazel");
+    bench.model.growth.step = Some(0);
+    let (on_screen, made_by) = super::younger(&bench.model).unwrap();
+    assert!(on_screen.starts_with("year 0 of "), "{on_screen}");
+    assert_eq!(made_by, None, "no age is of no year");
+    assert!(bench.screen().contains("grown: "), "whose numbers they are: {}", bench.screen());
+    bench.model.growth.step = Some(1);
+    assert!(super::younger(&bench.model).unwrap().1.is_some_and(|made_by| made_by.starts_with("age=0.")));
     let mut bench = Bench::new(100, 30).without_pictures().with_plain("grove");
     let last = super::last_step(super::shown(&bench.model).unwrap());
     bench.model.growth.step = Some(last / 2);
