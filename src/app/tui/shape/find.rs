@@ -22,12 +22,14 @@ pub struct FindLine {
     before: Option<FormSpot>,
     /// Which of the knobs that match it is on, the best being 0.
     at: usize,
+    /// How many match.
+    found: usize,
 }
 
 impl FindLine {
     /// From where the cursor is.
     pub fn new(model: &Model) -> Self {
-        Self { prompt: Prompt::new(""), before: model.form.selected, at: 0 }
+        Self { prompt: Prompt::new(""), before: model.form.selected, at: 0, found: 0 }
     }
 
     fn follow(&mut self, model: &mut Model) {
@@ -35,6 +37,7 @@ impl FindLine {
         self.at = self.at.min(all.len().saturating_sub(1));
         let found = all.get(self.at).copied();
         let is_typed = !self.prompt.text().trim().is_empty();
+        self.found = if is_typed { all.len() } else { 0 };
         self.prompt.problem = (is_typed && found.is_none()).then(|| "no knob matches".to_owned());
         // What is looked for may be one that was not changed.
         model.form.only_turned &= !is_typed;
@@ -74,15 +77,19 @@ impl Dialog<Model> for FindLine {
     }
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let remark = self.prompt.problem.clone().map(|text| prompt::Remark { text, warns: true });
+        let position = || (self.found > 0).then(|| format!("{} of {}", self.at + 1, self.found));
+        let problem = self.prompt.problem.clone().map(|text| prompt::Remark { text, warns: true });
+        let remark = problem.or_else(|| position().map(|text| prompt::Remark { text, warns: false }));
         self.prompt.paint_at_bottom(model, "knob", remark.as_ref(), screen, buffer, view);
     }
 
-    /// Down and Up go through all that match.
+    /// Down and Up go through all that match, and from the last one to the first.
     fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         match key.code {
             KeyCode::Down | KeyCode::Up => {
-                self.at = self.at.saturating_add_signed(if key.code == KeyCode::Down { 1 } else { -1 });
+                let by = if key.code == KeyCode::Down { 1 } else { -1 };
+                let count = self.found.max(1) as isize;
+                self.at = (self.at as isize + by).rem_euclid(count) as usize;
                 self.follow(model);
             }
             _ if self.prompt.key(key) => {

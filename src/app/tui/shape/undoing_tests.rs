@@ -61,3 +61,18 @@ fn changes_are_saved_before_the_file_is_opened_where_that_is_wanted() {
     let read = crate::source::resolve(&path, &[], &Quiet).unwrap();
     assert!(read.recipe.preset == *bench.tree().preset());
 }
+
+#[test]
+fn finding_a_knob_says_how_many_there_are_and_goes_round() {
+    let mut bench = Bench::new(120, 40).with_plain("fir").without_pictures();
+    bench.keys("shift-tab /").types("height");
+    let spot = |bench: &Bench| bench.model.form.selected;
+    let row = |bench: &Bench| bench.screen().lines().rev().nth(1).unwrap().trim().to_owned();
+    let (first, said) = (spot(&bench), row(&bench));
+    let count: usize = said.strip_prefix("1 of ").unwrap_or_else(|| panic!("{said}")).parse().unwrap();
+    assert!(count > 1);
+    bench.keys("up");
+    assert_eq!(row(&bench), format!("{count} of {count}"), "from the first to the last");
+    bench.keys("down");
+    assert_eq!((spot(&bench), row(&bench)), (first, said));
+}
