@@ -301,8 +301,20 @@ fn what_is_drawn_and_how_to_leave_are_told_on_small_screens() {
         bench.keys("a l w");
         bench.model.message = None;
         let screen = bench.screen();
-        for words in ["curve of stem/", "Esc Cancel", "Enter Done"] {
+        for words in ["point ", "Esc Cancel", "Enter Done"] {
             assert!(screen.contains(words), "{columns}x{rows} {words}\n{screen}");
         }
+    }
+}
+
+#[test]
+fn the_numbers_of_a_point_are_whole_on_usual_screens() {
+    for columns in [80, 120] {
+        let mut bench = Bench::new(columns, 30).without_pictures().with_plain("fir");
+        bench.keys("a l l w");
+        let screen = bench.screen();
+        let line =
+            screen.lines().find(|line| line.contains("point 3 of 3: ")).unwrap_or_else(|| panic!("{screen}"));
+        assert!(line.contains(" m · stem"), "{line}");
     }
 }
