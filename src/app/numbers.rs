@@ -5,6 +5,16 @@ use linden::report::{Corners, Number, Reading, Report};
 /// A number for people, its name first; `None` where it does not apply. `is_solid`: whether all wood is one
 /// surface.
 pub fn line(number: &Number, report: &Report, is_solid: bool) -> Option<(&'static str, String)> {
+    line_with(number, report, is_solid, |count| indicatif::HumanCount(count).to_string())
+}
+
+/// The same with counts as they are written elsewhere around it.
+pub fn line_with(
+    number: &Number,
+    report: &Report,
+    is_solid: bool,
+    counted: impl Fn(u64) -> String,
+) -> Option<(&'static str, String)> {
     let unit = |text: String| if number.unit.is_empty() { text } else { format!("{text} {}", number.unit) };
     let reading = (number.reading)(report);
     // As without, on a bare tree.
@@ -13,7 +23,7 @@ pub fn line(number: &Number, report: &Report, is_solid: bool) -> Option<(&'stati
         return None;
     }
     let shown = match reading {
-        Reading::Count(count) => unit(indicatif::HumanCount(count).to_string()),
+        Reading::Count(count) => unit(counted(count)),
         Reading::Real(real) => unit(rounded(real)),
         Reading::Yes(true) if number.name == "watertight" && is_solid => "yes: one solid".to_owned(),
         Reading::Yes(true) if number.name == "watertight" => "yes: each axis is closed".to_owned(),
@@ -23,7 +33,7 @@ pub fn line(number: &Number, report: &Report, is_solid: bool) -> Option<(&'stati
         Reading::Yes(is_so) => if is_so { "yes" } else { "no" }.to_owned(),
         Reading::Text(text) => text,
         Reading::Counts(list) => {
-            let counts: Vec<_> = list.iter().map(|&n| indicatif::HumanCount(n).to_string()).collect();
+            let counts: Vec<_> = list.iter().map(|&n| counted(n)).collect();
             counts.join(", ")
         }
         Reading::Reals(list) => unit(list.iter().map(|&x| rounded(x)).collect::<Vec<_>>().join(", ")),

@@ -6,9 +6,9 @@ use linden_exporters::{Options, exporters};
 
 use super::of;
 use crate::jobs::{MeasuredFigures, ShownTree};
-use crate::numbers::line;
+use crate::numbers::line_with;
 use crate::tui::chrome::PageLine;
-use crate::tui::figures::length;
+use crate::tui::figures::{length, thousands};
 use crate::tui::model::{Model, Weight};
 
 /// The lines for the tree on screen: as far as it was measured.
@@ -54,7 +54,8 @@ fn measured(shown: &ShownTree, figures: &MeasuredFigures) -> Vec<PageLine> {
     ];
     for group in GROUPS {
         let rows = NUMBERS.iter().filter(|number| number.group == group);
-        let mut rows = rows.filter_map(|number| line(number, &figures.report, is_solid)).peekable();
+        let mut rows =
+            rows.filter_map(|number| line_with(number, &figures.report, is_solid, thousands)).peekable();
         if rows.peek().is_some() {
             lines.push(PageLine::Heading(capital(group.name())));
             lines.extend(rows.map(|(label, value)| row(label, value)));

@@ -5,7 +5,7 @@ use crate::tui::update::Msg;
 
 #[test]
 fn the_page_measures_the_tree_on_screen_and_no_other() {
-    let mut bench = Bench::grown(130, 60).without_pictures();
+    let mut bench = Bench::new(130, 60).without_pictures().with_plain("abop-a");
     assert!(wanted(&bench.model).is_none(), "nobody asked");
     bench.keys("S");
     assert!(bench.screen().contains("measuring"), "{}", bench.screen());
@@ -14,6 +14,9 @@ fn the_page_measures_the_tree_on_screen_and_no_other() {
     bench.msg(Msg::Measured(Box::new(figures)));
     assert!(wanted(&bench.model).is_none(), "once is enough");
     let screen = bench.screen();
+    // Written as in the title.
+    let nodes = super::super::figures::thousands(shown.grown.skeleton.positions.len() as u64);
+    assert!(nodes.contains(' ') && screen.matches(&nodes).count() > 1, "{nodes}: {screen}");
     // The same as the skeleton's own measures, and a line for each format that has an estimate.
     let height = format!("{:.4}", shown.measures.height_m);
     for text in [&height[..5], "Files", "glb", "usda", "to grow", "memory"] {
