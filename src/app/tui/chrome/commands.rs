@@ -5,9 +5,9 @@ use super::palette::Palette;
 use super::{prompt, yank};
 use crate::tui::command::Context;
 use crate::tui::effect::{Effect, Effects};
-use crate::tui::growth;
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_form};
+use crate::tui::{export, growth};
 
 fn focus_by(model: &mut Model, by: usize) {
     model.focus_on(model.focus.next(by));
@@ -96,12 +96,12 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["y"],
         title: "Copy command",
-        help: "Copies the command line that exports what is on screen (through the terminal, so over SSH too)",
+        help: "Copies the command line that exports what is on screen, to where the export dialog has it (through the terminal, so over SSH too)",
         hint: Some(50),
         hindrance: without_form,
         run: |model, effects| {
             model.end_comparison();
-            let of_tree = model.tree.as_ref().map(yank::command_line);
+            let of_tree = model.tree.as_ref().map(|tree| yank::command_line(tree, export::target(model)));
             let of_forest = || model.forest.as_ref().and_then(yank::forest_command_line);
             let Some(text) = of_tree.or_else(of_forest) else {
                 return model.say_warning("the forest's file has a name that no terminal should be given");

@@ -22,8 +22,8 @@ pub fn view(model: &Model, status: Line<'_>, area: Rect, buffer: &mut Buffer, vi
         return;
     }
     // What is said is read now, and perhaps answered; how far an export is can be read when that has gone.
-    let is_said = |message: &Message| message.text.width() + status.width() + 2 > area.width.into();
-    let is_hidden = model.message.as_ref().is_some_and(is_said);
+    let is_cut = |message: &Message| message.text.width() + status.width() + 2 > area.width.into();
+    let is_hidden = model.message.as_ref().is_some_and(is_cut);
     let width = if is_hidden { 0 } else { (status.width() as u16).min(area.width / 2) };
     ratatui::widgets::Widget::render(status, Rect { x: area.right() - width, width, ..area }, buffer);
     let area = Rect { width: area.width - width, ..area };

@@ -3,12 +3,14 @@
 use crate::tui::forest::ForestOnScreen;
 use crate::tui::tree::{Tree, TreePlace};
 
-/// A command line that exports what is on screen, for a shell.
-pub fn command_line(tree: &Tree) -> String {
-    let target = format!("{}.glb", stem(&tree.preset().id));
+/// A command line that exports what is on screen, for a shell; to `target`, or where there is none to a file of its
+/// id.
+pub fn command_line(tree: &Tree, target: Option<String>) -> String {
+    let target = target.unwrap_or_else(|| format!("{}.glb", stem(&tree.preset().id)));
     let Some((overrides, source)) = tree.overrides().zip(source_word(&tree.place)) else {
         // What knobs cannot say goes along as a whole.
         let recipe = tree.recipe().to_line();
+        let target = shell_words::quote(&target);
         return format!("linden export - -o {target} <<'END'\n{recipe}\nEND");
     };
     joined("export", source, target, overrides)
@@ -58,7 +60,7 @@ mod tests {
         let preset = linden::preset::builtin("cypress").unwrap().load().unwrap();
         let mut tree = Tree::new(TreePlace::File("my trees/c.toml".into()), Recipe::new(preset));
         tree.set("profile", "0,1; 2,2; 6,1; 9,0", Instant::now()).unwrap();
-        let words = shell_words::split(&command_line(&tree)).unwrap();
+        let words = shell_words::split(&command_line(&tree, None)).unwrap();
         assert_eq!(
             words,
             [
@@ -77,7 +79,7 @@ mod tests {
     fn a_path_that_a_terminal_would_obey_is_not_copied() {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
         let tree = Tree::new(TreePlace::File("a\u{1b}[201~\nrm -r x.toml".into()), Recipe::new(preset));
-        let line = command_line(&tree);
+        let line = command_line(&tree, None);
         assert!(!line.contains('\u{1b}') && !line.contains("rm -r"), "{line}");
         assert!(line.starts_with("linden export - -o fir.glb <<'END'\n"));
     }
@@ -91,7 +93,7 @@ mod tests {
             lsystem.grammar = linden::lsystem::Grammar::new("F", &["F -> F[+F]F"]).unwrap();
         }
         tree.replace(other);
-        let line = command_line(&tree);
+        let line = command_line(&tree, None);
         let document = line.lines().nth(1).unwrap();
         let read = linden::preset::Preset::from_json(document).unwrap();
         assert!(read == *tree.preset());

@@ -261,6 +261,20 @@ impl ExportDialog {
         }
     }
 
+    /// Where the files of each format go, as it was typed.
+    pub fn targets(&self) -> Vec<(&'static str, String)> {
+        self.formats.iter().map(|choice| (choice.exporter.format().id, choice.target.clone())).collect()
+    }
+
+    /// Lets the files of formats go where they went before.
+    pub fn name(&mut self, targets: &[(&'static str, String)]) {
+        for choice in &mut self.formats {
+            if let Some((_, target)) = targets.iter().find(|(id, _)| *id == choice.exporter.format().id) {
+                choice.target.clone_from(target);
+            }
+        }
+    }
+
     /// Formats that are written.
     pub fn chosen(&self) -> impl Iterator<Item = &FormatChoice> {
         self.formats.iter().filter(|choice| choice.chosen)

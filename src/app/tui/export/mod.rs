@@ -17,17 +17,17 @@ pub use commands::COMMANDS;
 pub use dialog::CONTEXT as EXPORT_CONTEXT;
 pub use view::status;
 
-use self::dialog::{ExportDialog, ExportSpot, StartState};
+use self::dialog::{ExportDialog, ExportSpot, FormatChoice, StartState};
 use self::knobs::ExportKnobs;
 use super::effect::{Effect, Effects};
 use super::library;
-use super::model::{ExportReport, Exporting, Model, RunningExport};
+use super::model::{ExportReport, Exporting, Model, NamedFiles, RunningExport};
 use super::tree::Tree;
 use crate::jobs::{
     ExportNews, ExportOrder, ExportSubject, FOREST_PITCH_DEG, FOREST_YAW_DEG, Inquiry, PictureLook,
     ShownTree, WHOLE,
 };
-use crate::paths::show;
+use crate::paths::{expand, show};
 use crate::portrait::{self, FOREST_PNG, PITCH_DEG};
 use linden_exporters::{Exporter, Registry};
 use linden_raster::{Camera, Paint};
@@ -165,11 +165,32 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let kept = model.exporting.kept.as_ref().filter(|kept| Some(&kept.place) == model.place());
     let choices = kept.map_or(&model.exporting.last, |kept| &kept.choices);
     let mut dialog = ExportDialog::new(choices, id, &all, tree);
+    let named = model.exporting.named.as_ref().filter(|named| Some(&named.place) == model.place());
+    if let Some(named) = named {
+        dialog.name(&named.targets);
+    }
     if let Some(kept) = kept {
         dialog.restore(kept);
     }
     dialog.see_as(&view_on_screen(model), kept.map_or(&[], |kept| &kept.choices.options));
     Some(dialog)
+}
+
+/// Where the dialog would write the tree on screen, for a command line: in the first chosen format that is known by
+/// its ending, or else in the usual one.
+pub fn target(model: &Model) -> Option<String> {
+    let dialog = new_dialog(model)?;
+    let is_told = |choice: &&FormatChoice| {
+        let ending = std::path::Path::new(&choice.target).extension().and_then(|ending| ending.to_str());
+        ending == Some(choice.exporter.format().id)
+    };
+    let linden_s = |choice: &&FormatChoice| {
+        linden_exporters::exporters().iter().any(|known| known.format().id == choice.exporter.format().id)
+    };
+    let chosen = dialog.chosen().filter(linden_s).find(is_told);
+    let choice = chosen.or_else(|| dialog.formats.iter().find(is_told))?;
+    let path = expand(choice.target.trim(), std::env::home_dir().as_deref());
+    path.to_str().filter(|path| linden::knob::printable(path) == **path).map(str::to_owned)
 }
 
 /// How the picture on screen is seen, as options of pictures: what was turned or chosen there. What was not is left to
@@ -275,7 +296,10 @@ fn start(model: &mut Model, effects: &mut Effects) {
     let (outputs, replaces, scene) = (dialog.outputs(), dialog.replaced(), dialog.scene);
     let seasons = dialog.chosen_seasons();
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
+    let targets = dialog.targets();
+    let named = model.place().cloned().map(|place| NamedFiles { place, targets });
     let exporting = &mut model.exporting;
+    exporting.named = named;
     exporting.last = last;
     exporting.kept = None;
     exporting.numbers += 1;

@@ -927,3 +927,30 @@ fn the_footer_has_the_progress_whole() {
         assert!(bench.text(columns, 24).contains("42 %"), "{columns}");
     }
 }
+
+#[test]
+fn the_name_of_a_file_is_kept_for_its_tree_and_is_that_of_the_copied_command() {
+    let mut bench = ExportBench::new();
+    let glb = place_of("glb");
+    bench.keys("e");
+    bench.go_to(ExportSpot::Target(glb));
+    bench.keys("enter");
+    let christmas = bench.at("christmas tree.glb");
+    bench.retype(&christmas);
+    let effects = bench.keys("enter x");
+    let order = ExportBench::order(effects);
+    assert_eq!(order.outputs[0].path.to_str(), Some(christmas.as_str()));
+    bench.keys("e");
+    assert_eq!(bench.dialog().formats[glb].target, christmas);
+    bench.keys("esc");
+    let effects = bench.keys("y");
+    assert!(
+        matches!(&effects[..], [Effect::Copy(line)] if line.contains(&format!("'{christmas}'"))),
+        "{effects:?}"
+    );
+    // Another tree has a name of its own, in the same folder.
+    let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
+    bench.model.tree = Some(Tree::new(TreePlace::Builtin("fir"), Recipe::new(preset)));
+    bench.keys("e");
+    assert_eq!(bench.dialog().formats[glb].target, bench.at("fir.glb"));
+}

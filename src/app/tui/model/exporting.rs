@@ -20,6 +20,8 @@ pub struct Exporting {
     pub last: session::ExportChoices,
     /// What was set in the dialog when it was closed without an export.
     pub kept: Option<KeptExport>,
+    /// Where the files of what is on screen went last.
+    pub named: Option<NamedFiles>,
     /// The one under way.
     pub running: Option<RunningExport>,
     /// Those that wait, the next one first.
@@ -40,6 +42,15 @@ pub struct KeptExport {
     pub choices: session::ExportChoices,
     /// Knobs that were turned for this export.
     pub knobs: Vec<(&'static str, String)>,
+}
+
+/// Where the files of a tree or a forest went, for as long as it is open.
+#[derive(Clone, Debug)]
+pub struct NamedFiles {
+    /// What was on screen.
+    pub place: TreePlace,
+    /// Where the file of each format went, as it was typed.
+    pub targets: Vec<(&'static str, String)>,
 }
 
 /// The export under way.

@@ -22,7 +22,7 @@ use linden_terminal::probe::{Capabilities, Graphics};
 use ratatui::layout::Rect;
 
 pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
-pub use exporting::{ExportReport, Exporting, KeptExport, RunningExport};
+pub use exporting::{ExportReport, Exporting, KeptExport, NamedFiles, RunningExport};
 pub use filter::{has_tags, split_tags};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;

@@ -293,7 +293,7 @@ fn the_editors_own_undo_revert_and_comments() {
     let text = editor(&bench).unwrap().text.as_str().to_owned();
     assert!(text.contains("// mine\n\nG -> FF\nX -> G\n"), "comments stay with the tree: {text}");
     // Keys that mean something outside are letters here, and nothing panics on any of them.
-    bench.keys("q u E / : ? tab f1 f12 insert alt-x");
+    bench.keys("q u E / : ? tab f1 f1 f12 insert alt-x");
     assert!(editor(&bench).is_some());
     bench.keys("ctrl-c");
     assert!(bench.model.dialogs.is_empty());
