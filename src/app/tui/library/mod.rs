@@ -158,7 +158,9 @@ pub fn gone(model: &mut Model, place: TreePlace, why: String, effects: &mut Effe
     let on_screen = model.tree.as_mut().filter(|tree| tree.place == place && tree.is_modified());
     if let Some(tree) = on_screen {
         tree.is_orphan = true;
+        model.loading = None;
         model.library.mark_gone(&place);
+        model.say_warning(format!("your changes are kept, and 'Save as' writes the file anew: {why}"));
     } else if model.loading.as_ref() == Some(&place)
         && let Some(preset) = model.library.take_whole(&place)
     {
@@ -167,10 +169,10 @@ pub fn gone(model: &mut Model, place: TreePlace, why: String, effects: &mut Effe
         let mut tree = Tree::new(place, Recipe::new(preset));
         tree.is_orphan = true;
         take(model, tree);
-        let said = "this is the tree as you left it, and 'Save as' writes it anew";
-        return model.say_warning(format!("{said}: {why}"));
+        model.say_warning(format!("this is the tree as you left it, and 'Save as' writes it anew: {why}"));
+    } else {
+        loaded(model, place, Err(why), effects);
     }
-    loaded(model, place, Err(why), effects);
 }
 
 /// The changes that are to be made to what was read: those of the last session, then those of the command line.

@@ -174,7 +174,13 @@ fn a_tree_whose_file_went_comes_back_whole_and_is_saved_anew() {
     next.send(Msg::Saved(saved));
     assert!(std::fs::read_to_string(&path).unwrap().contains(&turned));
     assert!(!next.tree().is_modified());
+    // It goes again, while it is on screen and changed.
+    next.on("points").keys("right");
     std::fs::remove_file(&path).unwrap();
+    next.model.loading = Some(place.clone());
+    next.send(Msg::Gone(place.clone(), "no such file".to_owned()));
+    assert!(next.said().starts_with("your changes are kept"), "{}", next.said());
+    assert!(next.model.loading.is_none() && next.tree().overrides().is_none());
     // Of knobs alone no tree can be made: why is said.
     let mut next = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
     next.model.tree = None;
