@@ -68,8 +68,9 @@ impl Destination {
         }
         let path = expand(typed, std::env::home_dir().as_deref());
         let name = path.file_name().filter(|_| !typed.ends_with(std::path::is_separator));
-        let name = name.and_then(|name| name.to_str()).ok_or("the name of the file is missing")?;
-        let id = name.strip_suffix(".toml").unwrap_or(name);
+        let name = name.ok_or("the name of the file is missing")?;
+        let stem = path.file_stem().filter(|_| is_document(&path)).unwrap_or(name);
+        let id = stem.to_str().ok_or("the name of the file is not Unicode")?;
         check(id, "the name of a document")?;
         Ok(Self { dir: Some(path.parent().unwrap_or(Path::new("")).to_owned()), id: id.to_owned() })
     }
@@ -77,7 +78,7 @@ impl Destination {
 
 /// Whether what was typed is a path, and no id.
 fn is_path(typed: &str) -> bool {
-    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start)) || typed.ends_with(".toml")
+    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start)) || is_document(Path::new(typed))
 }
 
 /// The file that something is saved in under what was typed.

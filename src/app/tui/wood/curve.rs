@@ -148,7 +148,7 @@ impl CurvePick {
     fn words(&self) -> String {
         let point = self.points.get(self.picked).copied().unwrap_or_default();
         let [x, y, z] = point.to_array().map(metres);
-        format!("point {} of {}: {x}, {y}, {z} m · {}", self.picked + 1, self.points.len(), self.axis,)
+        format!("point {} of {}: {x}, {y}, {z} m · {}", self.picked + 1, self.points.len(), self.axis)
     }
 
     /// Whether it has as many points as it may have.
