@@ -397,9 +397,9 @@ fn points_are_thinned_while_they_are_read() {
     folder.write("large.csv", format!("{header}\n{}", rows.repeat(200)).as_bytes());
     let stats =
         |file: &str, more: &[&str]| folder.run(&[&["stats", file, "--json", "--set=tree=21"], more].concat());
-    let said = stats("large.csv", &["--memory=24M"]);
+    let said = stats("large.csv", &["--memory=28M"]);
     assert!(said.code == Some(1) && said.err.contains("reading points or a mesh would take"), "{}", said.err);
-    let of_large = stats("large.csv", &["--memory=24M", "--set=thin=0.01"]);
+    let of_large = stats("large.csv", &["--memory=28M", "--set=thin=0.01"]);
     let of_plot = stats("plot.csv", &["--set=thin=0.01"]);
     let note = of_large.err.lines().find(|line| line.contains("thin=0.01: ")).expect(&of_large.err);
     let counts: Vec<u64> = note.split(' ').filter_map(|word| word.parse().ok()).collect();
