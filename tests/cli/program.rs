@@ -109,6 +109,7 @@ impl Said {
 
     /// Standard output as JSON.
     pub fn json(&self) -> serde_json::Value {
-        serde_json::from_str(&self.out).unwrap_or_else(|error| panic!("{error}, code {:?}: {} {}", self.code, self.out, self.err))
+        serde_json::from_str(&self.out)
+            .unwrap_or_else(|error| panic!("{error}, code {:?}: {} {}", self.code, self.out, self.err))
     }
 }

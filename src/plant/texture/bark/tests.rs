@@ -138,8 +138,8 @@ fn a_large_picture_has_finer_grain() {
 /// Each base stands out towards its upper end, above the foot of those behind it.
 #[test]
 fn bases_of_leaves_overlap_like_shingles() {
-    let surface = Surface::new(BarkStyle::Palm, 0.0, Key::new(6));
     const SIDE: usize = 240;
+    let surface = Surface::new(BarkStyle::Palm, 0.0, Key::new(6));
     let mut rows = vec![vec![Spot::default(); SIDE]; SIDE];
     for (i, row) in rows.iter_mut().enumerate() {
         surface.row(i as f32 / SIDE as f32, row);
