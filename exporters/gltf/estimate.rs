@@ -3,6 +3,7 @@
 use linden_pipeline::picture::PictureFormat;
 use linden_pipeline::wind::Wind;
 
+use super::options::is_wind_packed;
 use crate::collision;
 use crate::writing::lightmap::LIGHTMAP_UV;
 use crate::{Amounts, Encoding, Options};
@@ -51,9 +52,7 @@ pub(crate) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let plain = if has_pictures { plain_vertices } else { vertices };
     // Twelve bytes a vertex where they are packed, eight where they name texels (four with fewer bits), in place of two
     // vectors of sixteen.
-    let is_packed =
-        options.is_word("wind_as", "packed") && (options.is_asked("wind_as") || amounts.wind != Wind::Sway);
-    let (vector, texels) = if is_packed {
+    let (vector, texels) = if is_wind_packed(options, amounts.wind == Wind::Sway) {
         (6, 0)
     } else if options.is_word("wind_as", "pivot-painter") && amounts.wind_vectors() > 0 {
         (if is_quantized { 2 } else { 4 }, TEXEL * amounts.axes)

@@ -45,7 +45,7 @@ use self::document::{
 use self::nodes::{SceneGraph, Standing};
 use self::options::{
     COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
-    is_wind_packed, levels_by, note_translucency, with_lightmap,
+    is_wind_packed, levels_by, note_translucency, sways, with_lightmap,
 };
 use self::pivots::Pivots;
 use self::quantize::Range;
@@ -240,7 +240,7 @@ fn wind_as(
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
 ) -> Result<WindAs, ExportError> {
-    if is_wind_packed(distinct, options) {
+    if is_wind_packed(options, sways(distinct)) {
         return Ok(WindAs::Packed);
     }
     Ok(Pivots::write(distinct, options, bundle, monitor)?.map_or(WindAs::Attributes, WindAs::Pivots))

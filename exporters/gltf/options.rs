@@ -59,13 +59,13 @@ pub const WIND_AS: OptionSpec = OptionSpec::choice(
 
 /// Whether shaders are told the wind by packed numbers. The sway loop plays without a shader, and all that show it would tint the
 /// tree by `COLOR_0`: there a profile's wish is passed over, that of a user is not.
-pub fn is_wind_packed(distinct: &DistinctMeshes<'_>, options: &Options) -> bool {
+pub fn is_wind_packed(options: &Options, sways: bool) -> bool {
     let name = WIND_AS.knob.name;
-    options.is_word(name, "packed") && (options.is_asked(name) || !sways(distinct))
+    options.is_word(name, "packed") && (options.is_asked(name) || !sways)
 }
 
 /// Whether something moves in a loop of targets.
-fn sways(distinct: &DistinctMeshes<'_>) -> bool {
+pub fn sways(distinct: &DistinctMeshes<'_>) -> bool {
     distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty())
 }
 
@@ -76,7 +76,7 @@ pub fn with_lightmap(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &
     let can_take = |word: &&str| *word != "pivot-painter" || bundle.takes_side_files();
     let taking = ["packed", "pivot-painter"].into_iter().filter(can_take);
     let is_so = |word: &&str| match *word {
-        "packed" => is_wind_packed(distinct, options),
+        "packed" => is_wind_packed(options, sways(distinct)),
         word => options.is_word(WIND_AS.knob.name, word),
     };
     let taking = taking.into_iter().find(is_so);

@@ -209,10 +209,11 @@ impl Monitor for Holding<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod testing {
     use super::*;
 
-    struct Limited(u64);
+    /// Admits so many bytes, and is never cancelled.
+    pub struct Limited(pub u64);
 
     impl Monitor for Limited {
         fn is_cancelled(&self) -> bool {
@@ -225,6 +226,12 @@ mod tests {
             self.0
         }
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::testing::Limited;
+    use super::*;
 
     #[test]
     fn what_is_held_counts_and_the_limit_itself_fits() {

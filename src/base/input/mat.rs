@@ -486,21 +486,7 @@ fn model(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// A monitor that admits so many bytes.
-    struct Limited(u64);
-
-    impl Monitor for Limited {
-        fn is_cancelled(&self) -> bool {
-            false
-        }
-
-        fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
-
-        fn memory_limit(&self) -> u64 {
-            self.0
-        }
-    }
+    use crate::monitor::testing::Limited;
 
     fn element(kind: u32, data: &[u8]) -> Vec<u8> {
         let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();

@@ -239,6 +239,7 @@ fn fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
 mod tests {
     use super::*;
     use crate::memory::bytes_of;
+    use crate::monitor::testing::Limited;
 
     #[test]
     fn z_up_turns_without_mirroring() {
@@ -279,16 +280,6 @@ mod tests {
 
     #[test]
     fn what_is_read_asks_for_its_memory() {
-        struct Poor(u64);
-        impl Monitor for Poor {
-            fn is_cancelled(&self) -> bool {
-                false
-            }
-            fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
-            fn memory_limit(&self) -> u64 {
-                self.0
-            }
-        }
         let count = 10_000;
         let points = "1 2 3\n".repeat(count);
         let mesh = "v 1 2 3\nf 1 1 1 1\n".repeat(count);
@@ -309,10 +300,10 @@ mod tests {
             }),
         ];
         for (format, read) in reads {
-            let held = read(&Poor(u64::MAX)).unwrap();
-            assert!(matches!(read(&Poor(held - 1)), Err(InputError::Memory(_))), "{format}");
+            let held = read(&Limited(u64::MAX)).unwrap();
+            assert!(matches!(read(&Limited(held - 1)), Err(InputError::Memory(_))), "{format}");
             // While a list moves it is there twice, and no more.
-            assert_eq!(read(&Poor(2 * held)), Ok(held), "{format}");
+            assert_eq!(read(&Limited(2 * held)), Ok(held), "{format}");
         }
     }
 

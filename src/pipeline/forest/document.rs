@@ -94,14 +94,11 @@ impl ForestDocument {
                 "name" => entry.node.text("name")?.clone_into(&mut forest.name),
                 "summary" => entry.node.text("summary")?.clone_into(&mut forest.summary),
                 "tree" => forest.trees = TREES.read(&entry.node, tree_line)?,
+                name if HEADINGS.contains(&name) => drop(typed(entry)?),
                 name => {
-                    if !HEADINGS.contains(&name) {
-                        Layout::find(name).map_err(|error| fault_at(entry, &error))?;
-                    }
-                    let value = typed(entry)?;
-                    if !HEADINGS.contains(&name) {
-                        forest.layout.set(name, &value).map_err(|error| fault_at(entry, &error))?;
-                    }
+                    // A name that is no knob's is wrong whatever it holds.
+                    Layout::find(name).map_err(|error| fault_at(entry, &error))?;
+                    forest.layout.set(name, &typed(entry)?).map_err(|error| fault_at(entry, &error))?;
                 }
             }
         }

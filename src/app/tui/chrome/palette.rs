@@ -56,6 +56,13 @@ struct Choice {
     told: [String; 2],
 }
 
+impl Choice {
+    /// That can be used now, and is no preset.
+    fn new(what: What, title: String, about: String) -> Self {
+        Self { what, title, about, hindrance: None, tags: Vec::new(), told: Default::default() }
+    }
+}
+
 #[derive(Clone)]
 enum What {
     Command(&'static Command),
@@ -81,14 +88,8 @@ struct Found<'p> {
 impl Palette {
     /// With nothing typed, above what is open now.
     pub fn new(model: &Model) -> Self {
-        let file = Choice {
-            what: What::File,
-            title: "open".to_owned(),
-            about: "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned(),
-            hindrance: None,
-            tags: Vec::new(),
-            told: Default::default(),
-        };
+        let about = "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned();
+        let file = Choice::new(What::File, "open".to_owned(), about);
         Self { input: Input::default(), selected: 0, choices: choices(model), file }
     }
 
@@ -331,71 +332,48 @@ fn choices(model: &Model) -> Vec<Choice> {
             || if context.is_below_dialogs() { model.dialogs.is_empty() } else { context == here }
     };
     let command = |command: &'static Command| Choice {
-        what: What::Command(command),
-        title: command.title.to_owned(),
-        about: command.help.to_owned(),
         hindrance: (command.hindrance)(model),
-        tags: Vec::new(),
-        told: Default::default(),
+        ..Choice::new(What::Command(command), command.title.to_owned(), command.help.to_owned())
     };
     let commands = model.commands().filter(|command| is_meant(command.context)).map(command);
     // Panes lie behind a dialog.
     let (tree, library) = (model.tree.as_ref(), &model.library);
     let panes = tree.filter(|_| model.dialogs.is_empty());
     let labels = panes.map_or_else(Vec::new, |tree| tree.preset().kind_labels());
-    let knobs = panes.into_iter().flat_map(|tree| tree.preset().all_knobs()).map(|(row, value)| Choice {
-        what: What::Knob(row.knob.name),
-        title: match row.section {
+    let knobs = panes.into_iter().flat_map(|tree| tree.preset().all_knobs()).map(|(row, value)| {
+        let title = match row.section {
             Section::Kind(kind) => format!("{}.{}", labels[kind], row.short_name()),
             _ => row.knob.name.to_owned(),
-        },
-        about: format!("{value}: {}", row.knob.help),
-        hindrance: None,
-        tags: Vec::new(),
-        told: Default::default(),
+        };
+        Choice::new(What::Knob(row.knob.name), title, format!("{value}: {}", row.knob.help))
     });
     let ages = panes.into_iter().flat_map(|tree| shape::ages::ages(tree.preset()));
-    let ages = ages.map(|(name, about)| Choice {
-        title: format!("age {}", name.replace('_', " ")),
-        what: What::Age(name),
-        about,
-        hindrance: None,
-        tags: Vec::new(),
-        told: Default::default(),
+    let ages = ages.map(|(name, about)| {
+        let title = format!("age {}", name.replace('_', " "));
+        Choice::new(What::Age(name), title, about)
     });
     let forest = model.forest.as_ref().filter(|_| model.dialogs.is_empty());
     let of_forest = forest.into_iter().flat_map(|forest| forest.wanted().layout.knobs());
-    let of_forest = of_forest.map(|(row, value)| Choice {
-        what: What::Knob(row.knob.name),
-        title: row.knob.name.to_owned(),
-        about: format!("{value}: {}", row.knob.help),
-        hindrance: None,
-        tags: Vec::new(),
-        told: Default::default(),
+    let of_forest = of_forest.map(|(row, value)| {
+        let about = format!("{value}: {}", row.knob.help);
+        Choice::new(What::Knob(row.knob.name), row.knob.name.to_owned(), about)
     });
     let presets = library.entries.iter().filter(|_| model.dialogs.is_empty()).map(|entry| Choice {
-        what: What::Preset(entry.place.clone()),
-        title: linden::knob::printable(&entry.id),
-        about: linden::knob::printable(&entry.name),
-        hindrance: None,
         tags: library.tags_of(entry).into_iter().map(str::to_owned).collect(),
         told: [entry.summary.clone(), entry.source.clone()],
+        ..Choice::new(
+            What::Preset(entry.place.clone()),
+            linden::knob::printable(&entry.id),
+            linden::knob::printable(&entry.name),
+        )
     });
-    let formats = export::formats().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
-        what: What::Format(exporter.format().id),
-        title: exporter.format().id.to_owned(),
-        about: format!("exports {}", exporter.format().name),
-        hindrance: None,
-        tags: Vec::new(),
-        told: Default::default(),
+    let formats = export::formats().into_iter().filter(|_| panes.is_some()).map(|exporter| {
+        let format = exporter.format();
+        Choice::new(What::Format(format.id), format.id.to_owned(), format!("exports {}", format.name))
     });
-    let settings = SETTINGS.iter().filter(|_| model.dialogs.is_empty()).map(|setting| Choice {
-        what: What::Setting(setting),
-        title: setting.name.to_owned(),
-        about: format!("{}: {}", setting.value(&model.config.settings), setting.help),
-        hindrance: None,
-        tags: Vec::new(),
-        told: Default::default(),
+    let settings = SETTINGS.iter().filter(|_| model.dialogs.is_empty()).map(|setting| {
+        let about = format!("{}: {}", setting.value(&model.config.settings), setting.help);
+        Choice::new(What::Setting(setting), setting.name.to_owned(), about)
     });
     commands.chain(ages).chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
 }

@@ -29,15 +29,21 @@ fn own_preset() -> (tempfile::TempDir, PathBuf, FormBench) {
     (dir, path, bench)
 }
 
-#[test]
-fn a_changed_tree_stays_in_the_list_when_its_file_goes() {
+/// The same, changed, and then its file went: its folder, its file, the value that was turned.
+fn own_preset_gone() -> (tempfile::TempDir, PathBuf, String, FormBench) {
     let (dir, path, mut bench) = own_preset();
-    let place = TreePlace::File(path.clone());
-    bench.model.library.select_place(&place);
+    bench.model.library.select_place(&TreePlace::File(path.clone()));
     bench.on("points").keys("right");
     let turned = bench.value("points");
     std::fs::remove_file(&path).unwrap();
     relist(&mut bench, dir.path());
+    (dir, path, turned, bench)
+}
+
+#[test]
+fn a_changed_tree_stays_in_the_list_when_its_file_goes() {
+    let (dir, path, turned, mut bench) = own_preset_gone();
+    let place = TreePlace::File(path.clone());
     assert_eq!(bench.model.library.entry().map(|entry| &entry.place), Some(&place));
     let (buffer, _) = bench.paint(140, 60);
     assert!(text(&buffer).contains("! mine"), "{}", text(&buffer));
@@ -142,13 +148,8 @@ fn escape_gives_the_tree_and_the_cursor_back_from_the_filter() {
 
 #[test]
 fn a_tree_whose_file_went_comes_back_whole_and_is_saved_anew() {
-    let (dir, path, mut bench) = own_preset();
+    let (dir, path, turned, bench) = own_preset_gone();
     let place = TreePlace::File(path.clone());
-    bench.model.library.select_place(&place);
-    bench.on("points").keys("right");
-    let turned = bench.value("points");
-    std::fs::remove_file(&path).unwrap();
-    relist(&mut bench, dir.path());
     assert_eq!(bench.tree().overrides(), None, "the session has all of it");
     let whole = bench.tree().recipe().to_line();
     let typing = |bench: &mut FormBench| {
