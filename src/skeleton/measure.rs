@@ -124,20 +124,36 @@ impl Skeleton {
 
     /// Where the trunk's diameter is measured, and the diameter.
     fn trunk_diameter(&self, forks: &Forks) -> (f64, f64) {
-        let mut along = 0.0;
         let axes = self.trunk_by(forks).into_iter().map(|axis| &self.axes[axis as usize]);
         let nodes: Vec<u32> = axes.flat_map(|axis| self.nodes_of(axis)).copied().collect();
-        for pair in nodes.windows(2) {
-            let length = self.segment_length(pair[1] as usize);
-            if along + length >= BREAST_HEIGHT_M && length > 0.0 {
-                let t = (BREAST_HEIGHT_M - along) / length;
+        let along_m = self.climbed_m(&nodes);
+        for (pair, along_m) in nodes.windows(2).zip(along_m.windows(2)) {
+            if along_m[1] >= BREAST_HEIGHT_M && along_m[1] > along_m[0] {
+                let t = (BREAST_HEIGHT_M - along_m[0]) / (along_m[1] - along_m[0]);
                 let [below, above] = [pair[0], pair[1]].map(|n| f64::from(self.radii[n as usize]));
                 let below = if self.width_steps == WidthSteps::Cylinder { above } else { below };
                 return (BREAST_HEIGHT_M, 2.0 * (below + (above - below) * t));
             }
-            along += length;
         }
         (0.0, self.base_diameter_m())
+    }
+
+    /// How far from the foot each node of a stem is, from the foot up: along the stem. Between the buttresses of a scanned
+    /// foot the axis goes to and fro, and a tape is held from the foot straight: so the way is measured there.
+    pub fn climbed_m(&self, stem: &[u32]) -> Vec<f64> {
+        let Some(&foot) = stem.first() else { return Vec::new() };
+        let place = |node: u32| self.positions[node as usize].as_dvec3();
+        let mut climbed_m = 0.0_f64;
+        stem.iter()
+            .map(|&node| {
+                climbed_m = if self.fits.is_empty() {
+                    climbed_m + if node == foot { 0.0 } else { self.segment_length(node as usize) }
+                } else {
+                    climbed_m.max(place(node).distance(place(foot)))
+                };
+                climbed_m
+            })
+            .collect()
     }
 }
 

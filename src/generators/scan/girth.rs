@@ -7,16 +7,15 @@
 //!
 //! A circle is believed where it holds enough points, covers enough of the turn, is as round as bark is (leaves fill
 //! the disc, bark its rim), is thicker than the error of the points and no thicker than wood can be there. Along an
-//! axis believed radii are made to shrink towards the tip by the least change (pool adjacent violators, Ayer et al.
-//! 1955), each by how sure it is. Between believed ones radii are carried on; elsewhere the length of wood that a
-//! node bears decides ([`Allometry`]). No wood is thicker than what bears it.
+//! axis believed radii shrink towards the tip ([`profile`]). Between believed ones radii are carried on; elsewhere the
+//! length of wood that a node bears decides ([`Allometry`]). No wood is thicker than what bears it.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::allometry::{Allometry, Looked, growth_lengths_m};
 use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD};
-use super::median::median;
+use super::profile::{self, Ring};
 use super::segments::{Nearest, Segments};
 use super::stretch::{ByNode, Seen, Station, Stretch};
 use linden_base::memory::bytes_of;
@@ -290,6 +289,21 @@ impl Round {
         branching.retain(&keep);
     }
 
+    /// Metres from the start of an axis to each of its nodes, along it.
+    fn along_m(&self, axis: &Axis, branching: &Branching) -> Vec<f64> {
+        let Branching { positions, parents, .. } = branching;
+        let mut along_m = 0.0;
+        let nodes = self.nodes(axis).iter().map(|&node| node as usize);
+        nodes
+            .map(|node| {
+                if parents[node] != NO_PARENT {
+                    along_m += f64::from(positions[node].distance(positions[parents[node] as usize]));
+                }
+                along_m
+            })
+            .collect()
+    }
+
     /// Radii of all nodes; `None` where no circle is believed.
     fn girth(&self, branching: &Branching, twig_m: Option<f64>) -> Option<Girth> {
         let Branching { positions, parents, .. } = branching;
@@ -299,9 +313,13 @@ impl Round {
         let mut fits = vec![RadiusFit::GUESSED; positions.len()];
         for axis in &self.axes {
             let nodes = self.nodes(axis);
-            let (places, known): (Vec<u32>, Vec<Circle>) =
-                nodes.iter().filter_map(|&node| Some((node, self.believed(node)?))).unzip();
-            for ((&node, circle), radius_m) in places.iter().zip(&known).zip(shrinking(&medians(&known))) {
+            let along_m = self.along_m(axis, branching);
+            let believed: Vec<Ring> = nodes
+                .iter()
+                .zip(along_m)
+                .filter_map(|(&node, along_m)| Some(Ring { node, along_m, circle: self.believed(node)? }))
+                .collect();
+            for (Ring { node, circle, .. }, radius_m) in profile::of(believed) {
                 seen[node as usize] = Some(radius_m);
                 fits[node as usize] = RadiusFit {
                     source: RadiusSource::Measured,
@@ -337,13 +355,7 @@ impl Round {
             let nodes = self.nodes(axis);
             let most_m = if axis.parent == NO_PARENT { f64::INFINITY } else { radii[axis.parent as usize] };
             let guess = |node: u32| allometry.radius_m(growth_m[node as usize]);
-            let along_m: Vec<f64> = nodes
-                .iter()
-                .scan(0.0, |sum, &node| {
-                    *sum += if parents[node as usize] == NO_PARENT { 0.0 } else { length_m(node as usize) };
-                    Some(*sum)
-                })
-                .collect();
+            let along_m = self.along_m(axis, branching);
             let known: Vec<usize> = (0..nodes.len()).filter(|&i| seen[nodes[i] as usize].is_some()).collect();
             let radius = |i: usize| seen[nodes[i] as usize].unwrap_or(0.0);
             let mut next = 0;
@@ -391,58 +403,12 @@ fn height_m(positions: &[Vec3]) -> f64 {
     f64::from(heights().fold(f32::MIN, f32::max)) - f64::from(heights().fold(f32::MAX, f32::min))
 }
 
-/// Each radius as the median of five: one that leaves or a fork has made too large makes no others so.
-fn medians(circles: &[Circle]) -> Vec<Circle> {
-    let radius = |i: usize| {
-        let reach = 2.min(i).min(circles.len() - 1 - i);
-        median(circles[i - reach..=i + reach].iter().map(|c| c.radius_m)).unwrap_or(circles[i].radius_m)
-    };
-    (0..circles.len()).map(|i| Circle { radius_m: radius(i), ..circles[i] }).collect()
-}
-
-/// The radii that shrink (or stay) from each to the next, nearest to those given in the least squares
-/// weighted by how sure they are.
-fn shrinking(circles: &[Circle]) -> Vec<f64> {
-    // Blocks of equal radius: (mean, weight, how many).
-    let mut blocks: Vec<(f64, f64, usize)> = Vec::new();
-    for circle in circles {
-        let error_m = circle.se_m + 0.02 * circle.radius_m;
-        let mut block = (circle.radius_m, (error_m * error_m).recip(), 1);
-        while let Some(before) = blocks.pop_if(|before| before.0 < block.0) {
-            let weight = before.1 + block.1;
-            block = ((before.0 * before.1 + block.0 * block.1) / weight, weight, before.2 + block.2);
-        }
-        blocks.push(block);
-    }
-    blocks.iter().flat_map(|&(radius_m, _, count)| std::iter::repeat_n(radius_m, count)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use linden_base::monitor::Quiet;
     use linden_base::random::Key;
     use std::f64::consts::{PI, TAU};
-
-    #[test]
-    fn shrinking_is_the_least_change() {
-        // As sure as their weights: 1, 1, 3, 1, 1.
-        let circle = |radius_m: f64, weight: f64| Circle {
-            centre: (0.0, 0.0),
-            radius_m,
-            mad_m: 0.0,
-            inliers: 20,
-            arc_rad: TAU,
-            se_m: weight.sqrt().recip() - 0.02 * radius_m,
-        };
-        let given =
-            [circle(5.0, 1.0), circle(3.0, 1.0), circle(4.0, 3.0), circle(1.0, 1.0), circle(2.0, 1.0)];
-        let found = shrinking(&given);
-        for (found, expected) in found.iter().zip([5.0, 3.75, 3.75, 1.5, 1.5]) {
-            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
-        }
-        assert_eq!(shrinking(&[]), [0.0; 0]);
-    }
 
     /// A pole of 3 m whose radius goes from 0.1 to 0.05 m, its bark seen over a part of the turn; its axis `aside_m` off
     /// towards what was seen.

@@ -7,6 +7,7 @@ use linden_skeleton::{Axis, Branching, NO_PARENT};
 use super::circle::{self, Circle, Flat, LEAST_POINTS};
 use super::cylinder;
 use super::segments::Nearest;
+use super::taper;
 
 /// Points with which a stretch is long enough.
 const ENOUGH_POINTS: usize = 80;
@@ -21,8 +22,8 @@ const STATION_RADII: f64 = 0.5;
 /// And reaches of its stretch: what lies nearer would be told by the same points.
 const STATION_REACHES: f64 = 0.5;
 
-/// And as many radii at least, up to so many metres.
-const REACH_RADII: f64 = 1.0;
+/// And so many radii at least, as many at most while points are few, and never more than so many metres.
+const REACH_RADII: (f64, f64) = (0.3, 1.0);
 const FARTHEST_M: f64 = 0.5;
 
 /// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
@@ -194,7 +195,12 @@ impl<'a> Stretch<'a> {
         }
         let found = self.fit(i, reach_m)?;
         // Thick wood shows little of its turn in a short stretch, and its axis turns slowly.
-        let wanted_m = (REACH_RADII * found.0.radius_m).min(FARTHEST_M);
+        let [least_m, most_m] =
+            [REACH_RADII.0, REACH_RADII.1].map(|radii| (radii * found.0.radius_m).min(FARTHEST_M));
+        let mut wanted_m = least_m;
+        while wanted_m < most_m && self.count(i, wanted_m) < self.most_points {
+            wanted_m = (1.2 * wanted_m).min(most_m);
+        }
         if wanted_m > 1.2 * reach_m { self.fit(i, wanted_m) } else { Some(found) }
     }
 
@@ -207,6 +213,7 @@ impl<'a> Stretch<'a> {
         let stride = count.div_ceil(self.most_points).max(1);
         let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
         let mut near: Vec<DVec3> = Vec::with_capacity(count / stride + 1);
+        let mut along_m: Vec<f64> = Vec::with_capacity(count / stride + 1);
         let mut n = 0;
         for k in range {
             if self.by_node.of(self.nodes[k]).is_empty() {
@@ -221,10 +228,11 @@ impl<'a> Stretch<'a> {
                     let away = (p - self.at[k]).reject_from_normalized(along);
                     flat.push((away.dot(u), away.dot(v)));
                     near.push(p - middle);
+                    along_m.push(self.along_m[k] - self.along_m[i] + (p - self.at[k]).dot(along));
                 }
             }
         }
-        let found = circle::fit(&flat)?;
+        let found = taper::at_node(&flat, &along_m, circle::fit(&flat)?);
         if found.mad_m > UNEVEN * found.radius_m
             && let Some((straight, centre)) = straight(&near, [u, v, w], &found)
         {

@@ -318,17 +318,10 @@ fn lowest_lateral_m(skeleton: &Skeleton, floor_m: f64) -> Option<f64> {
 
 /// What bears out the radius at breast height.
 fn breast_fit(skeleton: &Skeleton, trunk: &[u32]) -> Option<RadiusFit> {
-    let mut climbed_m = 0.0;
-    let mut nearest: Option<(f64, u32)> = None;
-    for pair in trunk.windows(2) {
-        let [a, b] = [pair[0], pair[1]].map(|n| skeleton.positions[n as usize].as_dvec3());
-        climbed_m += a.distance(b);
-        let off_m = (climbed_m - BREAST_HEIGHT_M).abs();
-        if nearest.is_none_or(|(least, _)| off_m < least) {
-            nearest = Some((off_m, pair[1]));
-        }
-    }
-    skeleton.fits.get(nearest?.1 as usize).copied()
+    let off_m = |climbed_m: &f64| (climbed_m - BREAST_HEIGHT_M).abs();
+    let climbed_m = skeleton.climbed_m(trunk);
+    let nearest = trunk.iter().zip(&climbed_m).min_by(|a, b| off_m(a.1).total_cmp(&off_m(b.1)))?;
+    skeleton.fits.get(*nearest.0 as usize).copied()
 }
 
 /// How the wood branches.

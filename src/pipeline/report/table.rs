@@ -203,13 +203,13 @@ numbers! {
         "of the stem that is thickest at its foot, trunk_diameter_at_m above it, as its tube has it, with a flare that reaches there: of the circle with as much area; between two rings by linear interpolation. At breast height of a scan it is the measured radii's, as cylinders have them (format qsm), whatever surface lies on them"
         ("") = |f| f.dbh_m().unwrap_or(f.tubes.base_diameter_m);
     trunk_diameter_at_m: f64, Stem "measured at" ["m"] Wood
-        "where trunk_diameter_m is measured, from the foot along the stem and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
+        "where trunk_diameter_m is measured, from the foot along the stem (straight from the foot on a scan, whose axis goes to and fro between buttresses) and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
         ("") = |f| f.dbh_m().map_or(0.0, |_| BREAST_HEIGHT_M);
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
         "diameter at breast height: trunk_diameter_m, with a flare that reaches there but for a scan, where that is at 1.3 m, null for a shorter stem"
         ("West 2015, Tree and Forest Measurement") = |f| f.dbh_m();
     dbh_se_m: Option<f64>, Stem "its standard error" ["m"] Wood
-        "standard error of dbh_m, as far as noise and the part of the turn that was seen go: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
+        "standard error of dbh_m, as far as noise and the part of the turn that was seen go, and not how well the stands of the scanner were registered with each other: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
         ("Chernov 2010, Circular and Linear Regression") = |f| f.breast_fit.map(|fit| 2.0 * f64::from(fit.se_m));
     dbh_arc_deg: Option<f64>, Stem "seen of its turn" ["°"] Wood
         "how much of the turn the points of that circle cover; null where there is none"
