@@ -64,6 +64,10 @@ linden_base::words! {
         Birch = "birch",
         /// [`BarkStyle::Peeling`]
         Peeling = "peeling",
+        /// [`BarkStyle::Ribbon`]
+        Ribbon = "ribbon",
+        /// [`BarkStyle::Culm`]
+        Culm = "culm",
         /// [`BarkStyle::Palm`]
         Palm = "palm",
     }
@@ -188,7 +192,7 @@ impl BarkSettings {
             details(
                 "ridged has long ridges that part and meet, as oak and ash; smooth is thin with lenticels, \
                  as beech; plated flakes between fissures, as pine; birch is white with dark marks; peeling \
-                 has patches, as plane; palm has the bases of shed leaves in overlapping rows. Each has a usual colour and relief, and bark_seed varies it."
+                 has patches, as plane; ribbon is shed in long strips, as blue gum; culm is the stem of a grass, as bamboo; palm has the bases of shed leaves in overlapping rows. Each has a usual colour and relief, and bark_seed varies it."
             ),
             see_also(&["bark_color", "bark_relief", "bark_tile", "bark_grain"])
         ),
@@ -207,8 +211,8 @@ impl BarkSettings {
             "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind",
             relief,
             details(
-                "Usual are 0.055 for palm, 0.045 for ridged, 0.032 for plated, 0.008 for birch, 0.006 for smooth and 0.004 \
-                 for peeling. It is in the normals that light falls on; the mesh keeps its shape, but for \
+                "Usual are 0.055 for palm, 0.045 for ridged, 0.032 for plated, 0.008 for birch and ribbon, 0.006 for smooth, 0.004 \
+                 for peeling and 0.002 for culm. It is in the normals that light falls on; the mesh keeps its shape, but for \
                  bark_relief_height."
             ),
             see_also(&["bark", "bark_grain", "bark_tile", "bark_relief_height"])

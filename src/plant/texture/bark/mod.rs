@@ -38,18 +38,24 @@ pub enum BarkStyle {
     Birch,
     /// Thin plates that fall and leave patches of other colours: plane, sycamore.
     Peeling,
+    /// Shed in long ribbons, down to pale young skin: blue gum.
+    Ribbon,
+    /// The smooth stem of a grass: bamboo.
+    Culm,
     /// What is left of shed leaves, in rows that overlap like shingles: date palm.
     Palm,
 }
 
 impl BarkStyle {
     /// Every style: its name for users, what it looks like, and its usual bark.
-    pub const ALL: [(&'static str, Self, &'static str); 6] = [
+    pub const ALL: [(&'static str, Self, &'static str); 8] = [
         ("ridged", Self::Ridged, "long ridges that part and meet, as oak and ash"),
         ("smooth", Self::Smooth, "thin and whole with lenticels, as beech"),
         ("plated", Self::Plated, "flaking plates between fissures, as pine"),
         ("birch", Self::Birch, "white with dark lenticels and black scars, as birch"),
         ("peeling", Self::Peeling, "patches where thin plates have fallen, as plane"),
+        ("ribbon", Self::Ribbon, "shed in long strips down to pale skin, as blue gum"),
+        ("culm", Self::Culm, "smooth with fine lines along it, as bamboo"),
         ("palm", Self::Palm, "bases of shed leaves in overlapping rows, as date palm"),
     ];
 
@@ -123,6 +129,8 @@ impl Bark {
             BarkStyle::Plated => ([140, 100, 76], 0.032),
             BarkStyle::Birch => ([212, 208, 198], 0.008),
             BarkStyle::Peeling => ([158, 150, 122], 0.004),
+            BarkStyle::Ribbon => ([176, 166, 148], 0.008),
+            BarkStyle::Culm => ([127, 148, 64], 0.002),
             BarkStyle::Palm => ([134, 116, 94], 0.055),
         };
         Self { style, color, roughness: 1.0, lenticels: 0.0, relief, size_px: 512, key }

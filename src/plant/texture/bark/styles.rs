@@ -9,33 +9,45 @@ use crate::texture::periodic::smoothstep;
 const LICHEN: Vec3 = Vec3::new(1.12, 1.25, 0.98);
 
 impl Surface {
-    /// Interlaced ridges with furrows between them, cracked across.
+    /// Interlaced ridges of corky layers with furrows between them, cracked across.
     pub(super) fn ridged(&self, u: f32, v: f32, noises: Noises) -> Spot {
+        const LAYERS: f32 = 3.0;
         let Noises { sway, lift, grain, blotch, flake } = noises;
-        // The furrows' edges are ragged: the grain bends them too.
-        let (bu, bv) = (u + 0.025 * sway + 0.009 * grain, v + 0.07 * lift);
+        let fibre = self.fibres.at(u + 0.012 * sway, v);
+        // The furrows' edges are ragged: the grain bends them, and fibres stick out of them.
+        let (bu, bv) = (u + 0.025 * sway + 0.012 * grain, v + 0.07 * lift + 0.01 * fibre);
         let [a, b] = [0, 1].map(|i| self.folds[i].at(bu, bv).abs());
-        let away = (a.min(b) / 0.30).min(1.0);
-        let body = 1.0 - (1.0 - away) * (1.0 - away);
-        // Ridges differ in how far they stand out, and are weathered in long strips.
-        let prominence = 0.5 + 0.5 * flake;
-        let fibre = self.fibres.at(bu, bv);
+        let away = a.min(b) + 0.045 * grain + 0.04 * fibre;
+        // Furrows gape in some places and are closed in others; ridges are round above them.
+        let gape = 0.05 + 0.06 * smoothstep(-0.35, 0.35, blotch + 0.6 * lift);
+        let wall = smoothstep(0.25 * gape, gape, away);
+        let crown = smoothstep(gape, gape + 0.26, away);
         // Short cracks run across the ridges; most end before the furrow.
-        let strength = smoothstep(-0.2, 0.45, lift - blotch + 0.35 * fibre);
-        let depth = if strength > 0.0 && body > 0.2 {
-            let crack = self.cracks.at(bu + 0.012 * grain, v + 0.05 * sway + 0.010 * grain);
-            0.20 * strength * (1.0 - smoothstep(0.0, 0.010, crack.border))
+        let strength = smoothstep(-0.25, 0.35, lift - blotch + 0.35 * fibre);
+        let crack = if strength > 0.0 && wall > 0.2 {
+            let crack = self.cracks.at(bu + 0.014 * grain, v + 0.05 * sway + 0.014 * grain);
+            strength * wall * (1.0 - smoothstep(0.0, 0.009, crack.border + 0.008 * grain + 0.003 * fibre))
         } else {
             0.0
         };
-        let rough = self.roughness * (0.17 * grain + 0.10 * fibre);
-        let height = body * (0.66 + 0.26 * prominence - depth) + rough * (0.3 + 0.7 * body);
-        let dark = 0.13 + 0.87 * smoothstep(-0.05, 0.80, height);
-        let weathered = Vec3::new(1.0, 0.98, 0.95).lerp(Vec3::splat(1.12), height.clamp(0.0, 1.0));
-        // Furrows show the inner bark: redder.
-        let inner = Vec3::new(1.18, 0.96, 0.80).lerp(Vec3::ONE, smoothstep(0.1, 0.6, height));
-        let tint = weathered * inner * dark * (0.92 + 0.18 * prominence + 1.1 * rough + 0.12 * blotch);
-        let lichen = 0.5 * smoothstep(0.08, 0.40, blotch + 0.25 * grain) * smoothstep(0.45, 0.85, height);
+        // What stands out is worn down to lower layers in places, along ragged edges.
+        let stack = (0.62 * crown + 0.42 * flake + 0.16 * grain + 0.10 * fibre + 0.35) * LAYERS;
+        let level = (stack.floor() / LAYERS).clamp(0.0, 1.0);
+        let torn = stack - stack.floor();
+        let step = smoothstep(0.0, 0.22, torn);
+        let rough = self.roughness * (0.17 * grain + 0.16 * fibre);
+        let height = wall * (0.34 + 0.22 * crown + 0.34 * (level - 0.12 * (1.0 - step))) - 0.20 * crack
+            + rough * (0.25 + 0.75 * wall);
+        // Light does not reach the bottom; the wall below a ridge's edge is in half shade.
+        let dark = 0.10 + 0.90 * smoothstep(-0.02, 0.62, height) * (0.45 + 0.55 * wall);
+        // Furrows show the inner bark: redder. Fresh edges are warm, what stood long is grey.
+        let inner = Vec3::new(1.24, 0.96, 0.76).lerp(Vec3::ONE, smoothstep(0.05, 0.55, height));
+        let age = (0.75 * level + 0.5 * blotch + 0.3).clamp(0.0, 1.0);
+        let weathered = Vec3::new(1.10, 0.99, 0.88).lerp(Vec3::new(0.98, 1.0, 1.03), age);
+        let rim = (1.0 - smoothstep(0.06, 0.22, torn)) - 0.5 * smoothstep(0.82, 1.0, torn);
+        let light = 0.86 + 0.22 * level + 1.5 * rough - 0.10 * rim * wall - 0.30 * crack + 0.10 * blotch;
+        let tint = weathered * inner * dark * light.max(0.05);
+        let lichen = 0.45 * smoothstep(0.10, 0.40, blotch + 0.3 * grain) * smoothstep(0.55, 0.9, height);
         Spot { height, tint: tint.lerp(LICHEN * tint.max_element(), lichen) }
     }
 
@@ -181,6 +193,48 @@ impl Surface {
         // Dots of cork.
         let height = height + rough;
         Spot { height, tint: tint * (1.0 + 1.4 * rough) }
+    }
+
+    /// Skin that dries and is shed in long ribbons, down to the pale young one.
+    pub(super) fn ribbon(&self, u: f32, v: f32, noises: Noises) -> Spot {
+        let Noises { sway, lift, grain, blotch, flake } = noises;
+        let (bu, bv) = (u + 0.035 * sway + 0.003 * grain, v + 0.05 * lift);
+        let fibre = self.fibres.at(bu, bv);
+        // From the youngest to the oldest: each covers strips that run far up, and ends in long points.
+        let layers = [
+            (self.folds[0].at(bu, bv) + 0.5 * blotch + 0.06, Vec3::new(0.96, 0.93, 0.84)),
+            (self.folds[1].at(bu + 0.31, bv + 0.62) + 0.45 * lift - 0.12, Vec3::new(0.78, 0.80, 0.78)),
+            (self.folds[1].at(bu + 0.77, bv + 0.21) + 0.6 * flake - 0.42, Vec3::new(0.66, 0.50, 0.37)),
+        ];
+        let rough = self.roughness * (0.03 * grain + 0.05 * fibre);
+        let mut height = 0.30 + 0.10 * sway;
+        let mut tint =
+            Vec3::new(1.12, 1.08, 0.96).lerp(Vec3::new(0.98, 1.05, 0.90), smoothstep(0.0, 0.4, lift));
+        for (i, (covers, color)) in layers.into_iter().enumerate() {
+            let covers = covers + 0.02 * fibre + 0.015 * grain;
+            let sheet = smoothstep(0.0, 0.02, covers);
+            // The edge curls up, and shades what it leaves.
+            let curl = smoothstep(0.0, 0.02, covers) * (1.0 - smoothstep(0.02, 0.09, covers));
+            let shade = 1.0 - 0.28 * smoothstep(-0.08, 0.0, covers) * (1.0 - sheet);
+            let color = color * (1.0 + 0.10 * blotch + 0.10 * curl);
+            tint = (tint * shade).lerp(color, sheet);
+            height += (0.34 + 0.14 * (i + 1) as f32 + 0.16 * curl + 0.08 * sway - height) * sheet;
+        }
+        Spot { height: height + rough, tint: tint * (1.0 + 1.3 * rough + 0.05 * fibre) }
+    }
+
+    /// The stem of a grass: smooth, with fine lines along it and a bloom in clouds.
+    pub(super) fn culm(&self, u: f32, v: f32, noises: Noises) -> Spot {
+        let Noises { sway, grain, blotch, flake, .. } = noises;
+        let line = self.fibres.at(u + 0.004 * sway, v);
+        let rough = self.roughness * (0.012 * grain + 0.03 * line);
+        let bloom = 0.10 * smoothstep(0.0, 0.5, blotch + 0.3 * flake);
+        // Yellower where the sun was, and some specks.
+        let sun = smoothstep(-0.3, 0.4, sway);
+        let speck = 0.10 * smoothstep(0.1, 0.6, flake + 0.4 * grain);
+        let tint = Vec3::new(0.94, 1.0, 0.96).lerp(Vec3::new(1.10, 1.03, 0.84), 0.6 * sun);
+        let tint = tint.lerp(Vec3::new(1.12, 1.14, 1.22), bloom) * (1.0 + 1.4 * rough - speck);
+        Spot { height: 0.5 + 0.2 * sway + rough, tint }
     }
 
     /// Bases of leaves that were cut off or fell: lozenges in a spiral, each of which stands out towards its upper end, where it

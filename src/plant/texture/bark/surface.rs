@@ -96,11 +96,12 @@ impl Surface {
         };
         let lattices = match style {
             BarkStyle::Ridged => Lattices {
-                cracks: (12, 14),
-                folds: [(13, 2), (14, 3)],
-                grain: (26, 9),
+                cracks: (11, 15),
+                folds: [(10, 2), (12, 3)],
+                grain: (26, 12),
                 bend: (4, 3),
-                fibres: (120, 7),
+                fibres: (110, 9),
+                flakes: (12, 5, 4),
                 ..plain
             },
             BarkStyle::Plated => Lattices { cells: (6, 3), fibres: (14, 70), flakes: (7, 6, 4), ..plain },
@@ -114,6 +115,15 @@ impl Surface {
                 ..plain
             },
             BarkStyle::Peeling => Lattices { folds: [(4, 3), (5, 4)], flakes: (4, 3, 4), ..plain },
+            BarkStyle::Ribbon => Lattices {
+                folds: [(12, 2), (15, 2)],
+                flakes: (14, 3, 4),
+                bend: (4, 2),
+                fibres: (70, 3),
+                grain: (30, 8),
+                ..plain
+            },
+            BarkStyle::Culm => Lattices { fibres: (90, 2), bend: (2, 2), flakes: (16, 16, 3), ..plain },
             BarkStyle::Palm => Lattices { bend: (3, 3), fibres: (110, 9), grain: (30, 14), ..plain },
         };
         let named = |purpose: &str| key.named(purpose);
@@ -160,6 +170,8 @@ impl Surface {
             BarkStyle::Smooth => Self::smooth,
             BarkStyle::Birch => Self::birch,
             BarkStyle::Peeling => Self::peeling,
+            BarkStyle::Ribbon => Self::ribbon,
+            BarkStyle::Culm => Self::culm,
             BarkStyle::Palm => Self::palm,
         };
         for (i, spot) in spots.iter_mut().enumerate() {
