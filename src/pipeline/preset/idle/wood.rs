@@ -29,8 +29,11 @@ pub(super) static RULES: &[Rule] = &[
     Rule {
         knobs: &["slenderness"],
         why: |preset| match preset.settled_width() {
-            Some(Width::Grammar) => {
+            Some(Width::Grammar) if preset.grows_by().id() == "lsystem" => {
                 Some("the grammar decides how thick the wood is; width=pipe goes by the height")
+            }
+            Some(Width::Grammar) => {
+                Some("the generator decides how thick the wood is; width=pipe goes by the height")
             }
             None => Some(OF_SCANS),
             _ if preset.wood.base_radius_m.is_some() => Some("base_radius decides how thick the wood is"),
