@@ -185,6 +185,7 @@ impl Settings for LSystem {
             radii: if self.gives_radii(wood) { RadiiFrom::Generator } else { RadiiFrom::Rule },
             axes: AxisRule::Grammar,
             places_organs: self.writes("{~", false),
+            organs_need_form: false,
             knows_use: false,
             tells_age: self.derivations_grown() == 0 || !self.rewrites_all_wood(),
         }

@@ -8,6 +8,7 @@ use linden_skeleton::generator::{
     Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps, TableKey,
     Task, Traits,
 };
+use linden_skeleton::organs::Organs;
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
 
@@ -111,6 +112,7 @@ impl Settings for WeberPenn {
             radii: RadiiFrom::Generator,
             axes: AxisRule::Grammar,
             places_organs: self.leaves != 0.0 && self.levels > 1,
+            organs_need_form: true,
             ..Traits::default()
         }
     }
@@ -135,7 +137,7 @@ impl Settings for WeberPenn {
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
         let drawn = grow(self, task.key().named("weber-penn"), monitor)?;
-        let (branching, organs) = (drawn.branching, drawn.organs);
+        let (branching, organs) = (drawn.branching, Organs { need_form: true, ..drawn.organs });
         Ok(Branched { branching, organs, most_nodes: self.max_nodes.into(), ..Branched::default() })
     }
 

@@ -319,7 +319,7 @@ impl WeberPenn {
             leaves,
             details(
                 "Stems have more of them the nearer they are to their parent's tip, as leaf_dist says. What they \
-                 look like is in the section foliage, whose leaf_form is to be set and whose leaves_per_m to be 0: \
+                 look like is in the section foliage, whose leaf_form is to be set (none: no leaves) and whose leaves_per_m to be 0: \
                  leaf_outline, leaf_width, colours, season and leaf_keep are for them."
             ),
             see_also(&["leaf_scale", "leaf_bend", "leaf_form", "leaf_keep", "season"])

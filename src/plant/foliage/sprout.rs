@@ -38,10 +38,11 @@ const PLACES_PER_CHECK: u64 = 4096;
 const SMALL_PX: u32 = 96;
 
 /// Everything that grows on a skeleton: what its generator left there, and the leaves of the preset.
-/// Without a kind that has a form it is the same `given`.
+/// Without a kind that has a form it is the same `given`, but for leaves that need one ([`Organs::need_form`]).
 ///
 /// Where the first kind has a form, the leaves and needles that a generator placed have it too: the season unfolds
-/// them and lets them fall, and `leaf_keep` thins them out, as it does with those of the kind's places.
+/// them and lets them fall, and `leaf_keep` thins them out, as it does with those of the kind's places. Where it has
+/// none, those that need one are not there.
 ///
 /// # Errors
 /// [`FoliageError`]: files that are missing, too many leaves, too little memory, or cancelled.
@@ -52,7 +53,8 @@ pub fn sprout(
     monitor: &dyn Monitor,
 ) -> Result<Arc<Organs>, FoliageError> {
     let foliage = &specimen.dressing.foliage;
-    if foliage.kinds().all(|kind| kind.form == Form::None) {
+    let goes_bare = given.need_form && foliage.first.form == Form::None;
+    if foliage.kinds().all(|kind| kind.form == Form::None) && !goes_bare {
         return Ok(Arc::clone(given));
     }
     let monitor = &Holding::new(monitor, given.bytes());
@@ -84,6 +86,8 @@ pub fn sprout(
         } else {
             organs.placed = without_leaves(&organs.placed);
         }
+    } else if goes_bare {
+        organs.placed = without_leaves(&organs.placed);
     }
     let (first, also) = crops.split_at(1);
     let takers: Vec<&Crop> = also.iter().filter(|crop| crop.kind.share > 0.0).collect();
@@ -204,7 +208,7 @@ fn take_over(placed: &mut PlacedOrgans, crop: &Crop, sunlight: Option<&Sunlight>
     }
 }
 
-/// What a generator placed but leaves and needles: these are out of season.
+/// What a generator placed but leaves and needles: these are out of season, or without a form.
 fn without_leaves(placed: &PlacedOrgans) -> PlacedOrgans {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
     without(placed, |i| leafy.contains(&placed.prototypes[i]))

@@ -685,6 +685,28 @@ fn leaves_of_a_grammar_take_the_form_of_the_first_kind() {
 }
 
 #[test]
+fn leaves_of_weber_and_penn_are_there_only_with_a_form() {
+    let grow = |foliage: &str| {
+        let text = format!(
+            "id = \"a\"\n[weber-penn]\nlevels = 2\nleaves = 12\n[foliage]\nleaf_size = 32\nleaves_per_m = 0\n\
+             leaf_terminal = false\n{foliage}"
+        );
+        let preset = Preset::from_toml(&text).unwrap();
+        linden_pipeline::grow::grow(&Recipe::new(preset), &Quiet).unwrap()
+    };
+    let (bare, formed) = (grow("leaf_form = \"none\""), grow("leaf_form = \"card\""));
+    assert_eq!(bare.given, formed.given);
+    assert_eq!(bare.organs.len(), 0);
+    assert!(formed.organs.len() > 10, "{}", formed.organs.len());
+    assert_eq!(formed.organs.len(), formed.given.len());
+    let other =
+        grow("[[foliage.also]]\nname = \"b\"\nleaf_form = \"card\"\nleaves_per_m = 2\nleaf_terminal = false");
+    assert!(!other.organs.is_empty());
+    let mut kinds = (0..other.organs.len()).map(|organ| other.organs.shape(organ).map(|shape| shape.kind));
+    assert!(kinds.all(|kind| kind == Some(1)), "only the further kind");
+}
+
+#[test]
 fn the_azimuth_of_a_spiral_is_exact_far_along() {
     let kind = crate::settings::LeafKind::default();
     let spiral = super::pose::Phyllotaxis::of(&kind);

@@ -66,7 +66,8 @@ const LOOKS: [Field<LeafKind>; 37] = [
         details(
             "What a leaf costs: card 2 triangles, cross 4, tuft 6, curved 12; twig 16 for a whole card of \
              leaves. Take curved where leaves are seen from near, twig for large crowns, cross or tuft for \
-             needles, fan with leaf_outline=fan. none leaves the wood bare but for what a grammar places."
+             needles, fan with leaf_outline=fan. none leaves the wood bare but for the organs of a grammar, which have shapes of their \
+             own; leaves of a Weber-Penn tree have none."
         ),
         see_also(&["leaf_outline", "twig_leaves", "leaves_per_m", "triangles"])
     ),

@@ -33,7 +33,8 @@ pub(super) fn follow(
         organs.bytes() + bytes,
         "take edits out of the recipe",
     )?;
-    let mut edited = Organs { shapes: organs.shapes.clone(), ..Organs::default() };
+    let Organs { need_form, .. } = *organs;
+    let mut edited = Organs { shapes: organs.shapes.clone(), need_form, ..Organs::default() };
     for (node, to) in (0..).zip(moves) {
         let carried = Carried { to, from: from(grown, to), node };
         for &polygon in polygons.of(to.bears) {

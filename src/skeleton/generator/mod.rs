@@ -313,6 +313,9 @@ pub struct Traits {
     pub axes: AxisRule,
     /// Whether they place leaves and the like.
     pub places_organs: bool,
+    /// Whether these leaves are there only where the first kind of foliage has a form
+    /// ([`Organs::need_form`](crate::organs::Organs::need_form)).
+    pub organs_need_form: bool,
     /// Whether it is known of each node whether it was of use, so that pruning goes by that.
     pub knows_use: bool,
     /// Whether births tell old wood from young.
@@ -326,6 +329,7 @@ impl Default for Traits {
             radii: RadiiFrom::Rule,
             axes: AxisRule::Thickest,
             places_organs: false,
+            organs_need_form: false,
             knows_use: false,
             tells_age: true,
         }

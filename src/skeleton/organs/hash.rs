@@ -10,7 +10,8 @@ impl Organs {
     /// any number of threads exactly when the organs are the same, bit for bit.
     pub fn hash(&self) -> u128 {
         let mut fingerprint = Fingerprint::new();
-        let Self { polygons, placed, shapes } = self;
+        // Whether leaves need a form says what becomes of these organs, not what they are.
+        let Self { polygons, placed, shapes, need_form: _ } = self;
         let Polygons { corners, ends, headings, ups, growth } = polygons;
         fingerprint.vectors(corners);
         fingerprint.words(ends.iter().copied());

@@ -36,6 +36,9 @@ pub struct Organs {
     pub placed: PlacedOrgans,
     /// The variants of the preset's kinds, those of one kind after those of the other.
     pub shapes: Arc<[LeafShape]>,
+    /// Whether the leaves and needles that a generator placed are there only where the preset's first kind has a form:
+    /// it gave them no shape of their own, as a grammar's `~L` has.
+    pub need_form: bool,
 }
 
 /// Filled outlines, lying in a plane or nearly so. Where nothing else is said, the arrays have an entry
@@ -172,7 +175,7 @@ impl Organs {
         let growth = |growth: &OrganOrigins| {
             growth.nodes.capacity() + growth.colors.capacity() + growth.births.capacity()
         };
-        let Self { polygons, placed, shapes: _ } = self;
+        let Self { polygons, placed, shapes: _, need_form: _ } = self;
         let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
             .into_iter()
             .chain([&placed.positions, &placed.headings, &placed.ups])

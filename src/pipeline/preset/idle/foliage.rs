@@ -33,6 +33,18 @@ pub(super) static RULES: &[Rule] = &[
         knobs: LOOKS,
         why: |preset| when(preset.dressing.foliage.first.form == Form::None, "leaf_form is none"),
     },
+    Rule {
+        knobs: &[
+            "leaves",
+            "leaf_dist",
+            "leaf_scale",
+            "leaf_scale_v",
+            "leaf_bend",
+            "leaf_quality",
+            "leaf_stem",
+        ],
+        why: |preset| when(preset.lacks_form(), "leaf_form is none"),
+    },
     Rule { knobs: PLACES, why: |preset| when(!preset.has_first_places(), "leaf_form is none") },
     Rule {
         knobs: &["leaf_max_age"],

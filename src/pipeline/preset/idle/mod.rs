@@ -115,8 +115,15 @@ impl Preset {
             || wind.wind != Wind::Off
     }
 
+    /// Whether the generator's organs are there: leaves that need a form are not, where `leaf_form` is none.
     fn places_organs(&self) -> bool {
-        self.generator.traits(&self.wood).places_organs
+        self.generator.traits(&self.wood).places_organs && !self.lacks_form()
+    }
+
+    /// Whether the generator's leaves are missing since `leaf_form` is none.
+    fn lacks_form(&self) -> bool {
+        let needs_form = self.generator.traits(&self.wood).organs_need_form;
+        needs_form && self.dressing.foliage.first.form == Form::None
     }
 }
 
@@ -169,6 +176,24 @@ mod tests {
     fn rules_name_knobs_that_there_are() {
         for name in rules().flat_map(|rule| rule.knobs) {
             assert!(KNOBS.iter().any(|row| row.knob.name == *name), "{name}");
+        }
+    }
+
+    #[test]
+    fn leaves_that_need_a_form_are_idle_without_one() {
+        let mut aspen = builtin("wp-quaking-aspen").unwrap().load().unwrap();
+        let of = |preset: &Preset| ["leaves", "leaf_keep", "season"].map(|knob| preset.idle(knob));
+        assert_eq!(of(&aspen), [None; 3]);
+        aspen.set("leaf_form", "none").unwrap();
+        assert_eq!(of(&aspen), [Some("leaf_form is none"); 3]);
+    }
+
+    #[test]
+    fn only_a_grammar_is_called_one() {
+        for (id, decides) in [("so-oak", "the generator"), ("abop-honda-a", "the grammar")] {
+            let preset = builtin(id).unwrap().load().unwrap();
+            let why = preset.idle("slenderness").unwrap();
+            assert!(why.starts_with(decides), "{id}: {why}");
         }
     }
 
