@@ -3,7 +3,7 @@
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
 
-use super::MOST_PLACES;
+use super::{LayoutError, MOST_PLACES};
 
 /// Why there is no plan of a forest.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -18,6 +18,9 @@ pub enum ForestError {
     /// No kind of trees.
     #[error("a forest needs at least one kind of trees")]
     Empty,
+    /// A setting out of its knob's range.
+    #[error("laying out the forest: {0}")]
+    Layout(#[from] LayoutError),
     /// A share or size that is none.
     #[error("the share and the size of '{kind}' must be above 0, not {share} and {size}")]
     Kind {

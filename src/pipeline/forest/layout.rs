@@ -213,6 +213,17 @@ impl Layout {
         FOREST_KNOBS.iter().map(|knob| (knob, (knob.read)(self)))
     }
 
+    /// Whether each field has a value that its knob takes: fields are public, and a program may have put anything there.
+    ///
+    /// # Errors
+    /// [`LayoutError::Value`] of the first that has not.
+    pub fn check(&self) -> Result<(), LayoutError> {
+        self.knobs().try_for_each(|(knob, value)| {
+            let bad = |problem| LayoutError::Value { name: knob.knob.name, problem };
+            knob.knob.kind.check(&value).map_err(bad)
+        })
+    }
+
     /// Turns a knob.
     ///
     /// # Errors

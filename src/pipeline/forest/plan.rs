@@ -29,6 +29,7 @@ impl Forest {
         if self.kinds.is_empty() {
             return Err(ForestError::Empty);
         }
+        layout.check()?;
         let is_sound = |x: f64| x.is_finite() && x > 0.0;
         if let Some(kind) = self.kinds.iter().find(|kind| !is_sound(kind.share) || !is_sound(kind.size)) {
             let (share, size) = (kind.share, kind.size);
@@ -216,7 +217,7 @@ fn drop_unused(trees: &mut Vec<PlannedTree>, places: &mut [Place]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::forest::Layout;
+    use crate::forest::{Layout, LayoutError};
     use crate::preset::{MOST_NODES, Neighbour, Preset, SelfOrganizing, builtin};
     use linden_base::monitor::Quiet;
 
@@ -359,6 +360,27 @@ mod tests {
         assert!(matches!(tree.notes.as_slice(), [note] if note.contains("size_spread")), "{:?}", tree.notes);
         forest.layout.size_spread = Layout::default().size_spread;
         assert!(forest.plan(&Quiet).unwrap().trees[0].notes.is_empty(), "nobody asked for it");
+    }
+
+    #[test]
+    fn fields_out_of_their_knobs_ranges_are_refused() {
+        let spoil: [(&str, fn(&mut Layout)); 7] = [
+            ("distinct", |layout| layout.distinct = 0),
+            ("distinct", |layout| layout.distinct = u64::MAX),
+            ("area", |layout| layout.area_m = f64::NAN),
+            ("spacing", |layout| layout.spacing_m = f64::NAN),
+            ("spacing", |layout| layout.spacing_m = 0.0),
+            ("size_spread", |layout| layout.size_spread = 5.0),
+            ("trees", |layout| layout.trees = Some(0)),
+        ];
+        for (knob, spoil) in spoil {
+            let mut forest = forest(&[]);
+            spoil(&mut forest.layout);
+            let error = forest.plan(&Quiet).unwrap_err();
+            let ForestError::Layout(LayoutError::Value { name, .. }) = &error else { panic!("{error}") };
+            assert_eq!(*name, knob);
+            assert!(error.to_string().contains("outside the range"), "{error}");
+        }
     }
 
     #[test]
