@@ -1,4 +1,4 @@
-//! Formats by id and by a file's ending: linden's, those that a program adds, and plug-ins.
+//! Formats by id and by a file's ending: linden's, those that a program adds, and plug-ins where it asks for them.
 
 use std::io;
 use std::path::Path;
@@ -33,8 +33,8 @@ pub static REGISTRY: &[&dyn Exporter] = &[
 /// What is written where nothing says which format: one file that most programs take.
 pub static USUAL: &dyn Exporter = &gltf::Glb;
 
-/// Formats to choose from: linden's, those that a program adds, and at last those of plug-ins: a format
-/// `foo` that is none of these is the program `linden-export-foo` on the search path.
+/// Formats to choose from: linden's, those that a program adds, and at last those of plug-ins, where
+/// [`Registry::with_plugins`] allows to run them.
 ///
 /// ```
 /// # use std::io;
@@ -65,6 +65,7 @@ pub static USUAL: &dyn Exporter = &gltf::Glb;
 #[derive(Clone)]
 pub struct Registry {
     exporters: Vec<&'static dyn Exporter>,
+    runs_plugins: bool,
 }
 
 impl Default for Registry {
@@ -74,9 +75,16 @@ impl Default for Registry {
 }
 
 impl Registry {
-    /// Linden's formats.
+    /// Linden's formats. No other program is looked for or run.
     pub fn new() -> Self {
-        Self { exporters: REGISTRY.to_vec() }
+        Self { exporters: REGISTRY.to_vec(), runs_plugins: false }
+    }
+
+    /// The same with plug-ins, as the program `linden` has them: a format `foo` that is none of the others is the program
+    /// `linden-export-foo` on the search path, which runs with all rights of this process when a tree is written in it.
+    #[must_use]
+    pub fn with_plugins(self) -> Self {
+        Self { runs_plugins: true, ..self }
     }
 
     /// The same with one more format. Ids and endings that are taken stay with those that have them.
@@ -86,11 +94,16 @@ impl Registry {
         self
     }
 
-    /// All formats, those of plug-ins on the search path last.
+    /// All formats, those of plug-ins last.
     pub fn exporters(&self) -> Vec<&'static dyn Exporter> {
         let is_known = |id: &str| self.exporters.iter().any(|exporter| exporter.format().id == id);
-        let plugins = plugin::all().into_iter().filter(|exporter| !is_known(exporter.format().id));
+        let plugins = if self.runs_plugins { plugin::all() } else { Vec::new() };
+        let plugins = plugins.into_iter().filter(|exporter| !is_known(exporter.format().id));
         self.exporters.iter().copied().chain(plugins).collect()
+    }
+
+    fn plugin(&self, id: &str) -> Option<&'static dyn Exporter> {
+        if self.runs_plugins { plugin::find(id) } else { None }
     }
 
     /// The exporter that scripts call `id`.
@@ -100,7 +113,7 @@ impl Registry {
     pub fn find(&self, id: &str) -> Result<&'static dyn Exporter, ExportError> {
         let ids = || self.exporters.iter().map(|exporter| exporter.format().id);
         let found = self.exporters.iter().copied().find(|exporter| exporter.format().id == id);
-        found.or_else(|| plugin::find(id)).ok_or_else(|| ExportError::UnknownFormat {
+        found.or_else(|| self.plugin(id)).ok_or_else(|| ExportError::UnknownFormat {
             typed: id.to_owned(),
             nearest: nearest(&id.to_lowercase(), ids()),
             known: ids().collect(),
@@ -117,7 +130,7 @@ impl Registry {
         let claims = |exporter: &&dyn Exporter| exporter.format().ending_of(path).map(str::len);
         // The last of several is taken; where two claim an ending, the first has it.
         let claimed = self.exporters.iter().rev().filter(|exporter| claims(exporter).is_some());
-        claimed.max_by_key(|exporter| claims(exporter)).copied().or_else(|| plugin::find(&typed)).ok_or_else(
+        claimed.max_by_key(|exporter| claims(exporter)).copied().or_else(|| self.plugin(&typed)).ok_or_else(
             || {
                 let mut known: Vec<_> = endings().collect();
                 known.dedup();
@@ -164,7 +177,7 @@ impl Registry {
     }
 }
 
-/// All formats of [`Registry::new`] and of plug-ins on the search path.
+/// All formats of [`Registry::new`].
 pub fn exporters() -> Vec<&'static dyn Exporter> {
     Registry::new().exporters()
 }

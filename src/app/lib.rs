@@ -18,6 +18,7 @@ mod cli;
 mod config;
 mod exit;
 mod forecast;
+mod formats;
 mod jobs;
 mod memory;
 mod numbers;

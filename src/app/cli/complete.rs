@@ -14,7 +14,7 @@ use linden::knob::{Kind, Knob};
 use linden::lsystem::Grammar;
 use linden::preset::{KNOBS, LSystem, PresetKnob, Section, builtin, builtins};
 use linden::season::SEASONS;
-use linden_exporters::{PROFILES, REGISTRY, exporters};
+use linden_exporters::{PROFILES, REGISTRY};
 
 use crate::config::dirs::Dirs;
 use crate::config::presets::ids;
@@ -48,7 +48,7 @@ pub fn constants() -> ArgValueCandidates {
 /// Ids of formats.
 pub fn formats() -> ArgValueCandidates {
     ArgValueCandidates::new(|| {
-        let formats = exporters().into_iter().map(linden_exporters::Exporter::format);
+        let formats = crate::formats::exporters().into_iter().map(linden_exporters::Exporter::format);
         formats.map(|format| candidate(format.id, format.help)).collect()
     })
 }

@@ -213,7 +213,7 @@ struct FormatRow {
 }
 
 fn exporters(json: bool) -> anyhow::Result<()> {
-    let exporters = linden_exporters::exporters();
+    let exporters = crate::formats::exporters();
     let formats = || exporters.iter().map(|exporter| exporter.format());
     if json {
         let row = |f: &'static linden_exporters::Format| FormatRow {

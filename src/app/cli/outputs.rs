@@ -6,12 +6,13 @@ use clap::Args;
 use linden::Monitor;
 use linden::season::Season;
 use linden::stage::Stage;
-use linden_exporters::{Exporter, Options, Profile, REGISTRY, find, for_path};
+use linden_exporters::{Exporter, Options, Profile, REGISTRY};
 
 use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_folder, waiting};
 
 use super::complete;
 use crate::exit::usage;
+use crate::formats::{find, for_path};
 use crate::portrait;
 use crate::progress::Progress;
 use linden_exporters::{Batch, Output, Written, default_name};

@@ -26,7 +26,7 @@ pub use sitter::{PreviewLook, Sitter};
 
 /// What can be exported to, pictures included.
 pub fn formats() -> Registry {
-    Registry::new().with(PNG).with(SVG).with(SHEET)
+    Registry::new().with(PNG).with(SVG).with(SHEET).with_plugins()
 }
 
 /// How far from above a tree is looked at by default, degrees.

@@ -4,11 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use crate::formats::find;
 use anyhow::Context;
 use linden::manifest::Manifest;
 use linden::recipe::Recipe;
 use linden::texture::DrawnPictures;
-use linden_exporters::{ExportError, Exporter, Format, Options, find};
+use linden_exporters::{ExportError, Exporter, Format, Options};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::thumbnail::Thumbnail;

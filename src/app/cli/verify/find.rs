@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::formats::for_path;
 use linden::Monitor;
 use linden::input::{InputKind, sniff};
-use linden_exporters::for_path;
 
 use super::row::{Outcome, Row};
 use crate::cli::batch::listed_files;

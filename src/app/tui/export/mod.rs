@@ -44,7 +44,7 @@ pub fn formats() -> Vec<&'static dyn Exporter> {
 
 /// What a forest can be exported to. It has no flat drawing, and no sheet of several.
 fn formats_of_forests() -> Vec<&'static dyn Exporter> {
-    Registry::new().with(FOREST_PNG).exporters()
+    Registry::new().with(FOREST_PNG).with_plugins().exporters()
 }
 
 /// What the dialog wants to know, `None` without a dialog. To be asked whenever it differs from what
@@ -185,7 +185,7 @@ pub fn target(model: &Model) -> Option<String> {
         ending == Some(choice.exporter.format().id)
     };
     let linden_s = |choice: &&FormatChoice| {
-        linden_exporters::exporters().iter().any(|known| known.format().id == choice.exporter.format().id)
+        crate::formats::exporters().iter().any(|known| known.format().id == choice.exporter.format().id)
     };
     let chosen = dialog.chosen().filter(linden_s).find(is_told);
     let choice = chosen.or_else(|| dialog.formats.iter().find(is_told))?;

@@ -2,7 +2,7 @@
 
 use linden::report::{Group, NUMBERS};
 use linden::surface::Junction;
-use linden_exporters::{Options, exporters};
+use linden_exporters::Options;
 
 use super::of;
 use crate::jobs::{MeasuredFigures, ShownTree};
@@ -62,7 +62,7 @@ fn measured(shown: &ShownTree, figures: &MeasuredFigures) -> Vec<PageLine> {
         }
         if group == Group::Leaves {
             lines.push(PageLine::Heading("Files, with the usual options".to_owned()));
-            lines.extend(exporters().into_iter().filter_map(|exporter| {
+            lines.extend(crate::formats::exporters().into_iter().filter_map(|exporter| {
                 let format = exporter.format();
                 let bytes = figures.estimate.bytes(format, &Options::new(format))?;
                 Some(row(format.id, format!("about {}", length(bytes))))
