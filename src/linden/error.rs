@@ -9,6 +9,7 @@ use linden_base::monitor::Cancelled;
 use linden_exporters::ExportError;
 use linden_pipeline::document::Fault;
 use linden_pipeline::dress::DetailError;
+use linden_pipeline::forest::{ForestError, GrownForestError, LayoutError};
 use linden_pipeline::grow::GrowError;
 use linden_pipeline::input::InputError;
 use linden_pipeline::lsystem::GrammarError;
@@ -82,6 +83,12 @@ pub enum Error {
     /// Nothing grew.
     #[error(transparent)]
     Grow(GrowError),
+    /// A setting of a forest that there is not, or a value that it does not take.
+    #[error(transparent)]
+    Layout(#[from] LayoutError),
+    /// A forest that cannot be laid out, or a tree of it that did not grow.
+    #[error(transparent)]
+    Forest(GrownForestError),
     /// Surface, leaves or levels of detail.
     #[error(transparent)]
     Dress(DetailError),
@@ -110,6 +117,18 @@ linden_base::from_cancellable!(
     RasterError => Draw,
     ExportError => Export
 );
+
+impl From<ForestError> for Error {
+    fn from(error: ForestError) -> Self {
+        GrownForestError::from(error).into()
+    }
+}
+
+impl From<GrownForestError> for Error {
+    fn from(error: GrownForestError) -> Self {
+        if error.is_cancelled() { Self::Cancelled(Cancelled) } else { Self::Forest(error) }
+    }
+}
 
 impl Error {
     /// Whether it is no fault: a [monitor](crate::Monitor) said that the result is no longer wanted. Nothing is written then.

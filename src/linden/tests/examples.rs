@@ -33,6 +33,15 @@ fn a_preset_becomes_a_file_and_so_does_a_forest() {
 }
 
 #[test]
+fn no_tree_of_the_forest_has_more_triangles_than_its_budget() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = run(folder.path(), "forest", "a.glb");
+    let counts = said.lines().filter_map(|line| line.strip_suffix(" triangles")?.rsplit_once(": "));
+    let counts: Vec<u64> = counts.map(|(_, count)| count.parse().unwrap()).collect();
+    assert!(counts.len() >= 2 && counts.iter().all(|count| (1000..=4000).contains(count)), "{said}");
+}
+
+#[test]
 fn a_hundred_trees_are_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let said = run(folder.path(), "sweep", "");
