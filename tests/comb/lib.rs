@@ -94,7 +94,7 @@ impl Settings for Comb {
             edges: None,
         };
         self.stem(0, 0, Vec3::Y, self.length_m as f32, &mut branching, monitor)?;
-        Ok(Branched { branching, most_nodes: u64::from(u32::MAX), ..Branched::default() })
+        Ok(Branched { branching, ..Branched::default() })
     }
 }
 

@@ -395,7 +395,7 @@ impl Bench<'_> {
         if self.work.is_lost {
             return Err(EditError::Lost { number, edit });
         }
-        if nodes > self.most_nodes + MOST_SPLITS {
+        if nodes > self.most_nodes.saturating_add(MOST_SPLITS) {
             return Err(EditError::TooManyNodes { number, edit, nodes, limit: self.most_nodes });
         }
         Ok(())

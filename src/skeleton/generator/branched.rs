@@ -9,7 +9,6 @@ use crate::organs::Organs;
 use crate::{Branching, RadiusFit, Skeleton, Wood};
 
 /// The tree as a generator grows it, before refinement, and notes about it.
-#[derive(Default)]
 pub struct Branched {
     /// Nodes and their parents.
     pub branching: Branching,
@@ -18,7 +17,8 @@ pub struct Branched {
     /// The nodes that were of use, where there is such a thing; else the lengths of twigs decide what is
     /// pruned.
     pub used: Option<Vec<bool>>,
-    /// The generator's limit of nodes, which holds for the refined tree too.
+    /// The generator's limit of nodes, which holds for the refined tree too; [`Branched::default`] has no limit
+    /// (`u64::MAX`).
     pub most_nodes: u64,
     /// Whether no branch is to be moved to a place.
     pub barred: Option<Barred>,
@@ -37,6 +37,26 @@ pub struct Branched {
     pub trees: Vec<u32>,
     /// Messages for the user: limits that were hit, meshes that are open.
     pub notes: Vec<String>,
+}
+
+impl Default for Branched {
+    /// No nodes, nothing known of them, and no limit of how many there may be.
+    fn default() -> Self {
+        Self {
+            branching: Branching::default(),
+            organs: Organs::default(),
+            used: None,
+            most_nodes: u64::MAX,
+            barred: None,
+            measured: None,
+            age: None,
+            symbols: None,
+            colonized: None,
+            foot: None,
+            trees: Vec::new(),
+            notes: Vec::new(),
+        }
+    }
 }
 
 /// Whether a place, metres, is not to be entered.
