@@ -308,6 +308,7 @@ pub fn grow_as(
     let mut notes = branched.notes;
     notes.extend(remarks.iter().map(ToString::to_string));
     notes.extend(mesh_notes(recipe));
+    notes.extend(unregistered_note(&recipe.preset));
     Ok(Grown {
         organs: sprout(recipe, &skeleton, &given, &monitor)?,
         given,
@@ -432,6 +433,17 @@ pub fn sprout(
     monitor: &dyn Monitor,
 ) -> Result<Arc<Organs>, FoliageError> {
     recipe.with_specimen(|specimen| foliage::sprout(specimen, skeleton, given, monitor))
+}
+
+/// What is to be known of a generator that the registry does not have: its table means nothing in a document.
+fn unregistered_note(preset: &Preset) -> Option<String> {
+    let id = preset.grows_by().id();
+    crate::generators::find(id).is_none().then(|| {
+        format!(
+            "the generator '{id}' is not registered: recipes and files of this tree cannot be read again; call \
+             generators::register before anything else"
+        )
+    })
 }
 
 /// How the notes of [`mesh_notes`] begin.
