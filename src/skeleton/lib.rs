@@ -185,7 +185,11 @@ pub(crate) fn compact<T>(items: &mut Vec<T>, keep: &[bool]) {
 }
 
 impl Branching {
-    /// Takes out all nodes that are not to be kept, with what grows on them: that must not be kept either.
+    /// Takes out all nodes that are not to be kept, with what grows on them: that must not be kept either. `keep` says it
+    /// of every node.
+    ///
+    /// # Panics
+    /// Where `keep` is shorter than [`Branching::parents`].
     pub fn retain(&mut self, keep: &[bool]) {
         let Self { positions, parents, births, radii, edges } = self;
         let mut index = vec![NO_PARENT; parents.len()];
@@ -316,6 +320,9 @@ impl Skeleton {
     }
 
     /// The nodes of an axis, base to apex.
+    ///
+    /// # Panics
+    /// With an axis of another tree, which may name nodes that this one does not have.
     pub fn nodes_of(&self, axis: &Axis) -> &[u32] {
         &self.axis_nodes[axis.first as usize..(axis.first + axis.len) as usize]
     }

@@ -74,6 +74,9 @@ impl Skeleton {
     }
 
     /// Length of the segment that ends in a node, metres; 0 for the foot of a stem.
+    ///
+    /// # Panics
+    /// Where the tree has no such node: `node` is below the length of [`Skeleton::positions`].
     pub fn segment_length(&self, node: usize) -> f64 {
         match self.parents[node] {
             NO_PARENT => 0.0,

@@ -23,6 +23,9 @@ pub struct Children {
 
 impl Children {
     /// The nodes that grow from a node, in ascending order.
+    ///
+    /// # Panics
+    /// Where the tree has no such node: `node` is below the length of [`Skeleton::positions`].
     pub fn of(&self, node: usize) -> &[u32] {
         let first = if node == 0 { 0 } else { self.ends[node - 1] };
         &self.nodes[first as usize..self.ends[node] as usize]
