@@ -3,8 +3,9 @@
 //! A message is whole: it has the words of its `source` in it, so that whoever prints a chain of sources says them twice.
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
 use linden_exporters::ExportError;
 use linden_pipeline::document::Fault;
@@ -71,6 +72,9 @@ pub enum Error {
         #[source]
         error: InputError,
     },
+    /// There is no memory for a file.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// A knob that there is not, or a value that it does not take.
     #[error(transparent)]
     Knob(#[from] KnobError),
@@ -131,6 +135,19 @@ impl From<GrownForestError> for Error {
 }
 
 impl Error {
+    pub(crate) fn of_input(path: &Path, error: InputError) -> Self {
+        match error {
+            InputError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            InputError::Memory(over) => Self::Memory(over),
+            error => Self::Input { path: path.to_owned(), error },
+        }
+    }
+
+    /// Whether a file is not there.
+    pub(crate) fn is_missing(&self) -> bool {
+        matches!(self, Self::Read { error, .. } if error.kind() == io::ErrorKind::NotFound)
+    }
+
     /// Whether it is no fault: a [monitor](crate::Monitor) said that the result is no longer wanted. Nothing is written then.
     pub const fn is_cancelled(&self) -> bool {
         matches!(self, Self::Cancelled(_))

@@ -41,7 +41,7 @@ pub use linden_raster as raster;
 pub use linden_scanner as scanner;
 
 pub use error::Error;
-pub use source::{grammar, read, read_allowing, tree};
+pub use source::{Reading, grammar, read, read_allowing, tree};
 pub use tree::{Exported, GrownTree, InMemory, Tree};
 
 /// For generators of your own: a [knob](knob::Field) of a field, choices by words, keys that name a file.

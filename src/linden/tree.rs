@@ -19,7 +19,7 @@ use linden_raster::{Camera, Size, Style, Surface, draw_surface};
 use crate::Error;
 
 /// Who watches work: reports progress, cancels, limits memory.
-type Watcher = Arc<dyn Monitor + Send + Sync>;
+pub(crate) type Watcher = Arc<dyn Monitor + Send + Sync>;
 
 /// A tree to be grown: a recipe, and who watches.
 #[derive(Clone)]
@@ -149,6 +149,10 @@ impl Tree {
     #[must_use]
     pub fn watched(self, watcher: impl Monitor + Send + 'static) -> Self {
         Self { watcher: Arc::new(watcher), ..self }
+    }
+
+    pub(crate) fn watched_by(self, watcher: Watcher) -> Self {
+        Self { watcher, ..self }
     }
 
     /// Everything that decides the tree.
