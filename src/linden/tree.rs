@@ -208,7 +208,8 @@ impl GrownTree {
         self.grown.skeleton.measures()
     }
 
-    /// Every number of the tree, as `linden stats` says them; of the finest level, where a budget of triangles is set.
+    /// Every number of the tree, as `linden stats` says them. Where a budget of triangles is set, they are those of the
+    /// finest level, which has less wood and fewer leaves: [`GrownTree::report_whole`] measures all that grew.
     ///
     /// ```
     /// let report = linden::tree("simple")?.set("points", "50")?.grow()?.report()?;
@@ -220,6 +221,22 @@ impl GrownTree {
     /// [`Error::Report`].
     pub fn report(&self) -> Result<Report, Error> {
         Ok(Report::of(&self.tree.recipe, &self.grown, &*self.tree.watcher)?)
+    }
+
+    /// Every number of the whole tree as it grew, whatever budget of triangles and levels of detail its files have.
+    ///
+    /// ```
+    /// let fir = linden::tree("dressed-simple")?.set("triangles", "3000")?.grow()?;
+    /// assert!(fir.report()?.segments < fir.report_whole()?.segments);
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Report`].
+    pub fn report_whole(&self) -> Result<Report, Error> {
+        let mut recipe = self.tree.recipe.clone();
+        recipe.preset.dressing.detail.ask_for_all();
+        Ok(Report::of(&recipe, &self.grown, &*self.tree.watcher)?)
     }
 
     /// What the user should know: limits that were hit, meshes that are open, knobs that change nothing; of a

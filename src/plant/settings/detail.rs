@@ -50,6 +50,11 @@ impl DetailSettings {
         self.finest() == 0 && self.triangle_levels() == 1
     }
 
+    /// Takes back every budget of triangles, and with it all levels but one.
+    pub fn ask_for_all(&mut self) {
+        (self.triangles, self.lods, self.lod_triangles) = (0, 1, vec![0.0]);
+    }
+
     /// The budget of the finest level; 0: all triangles that there are.
     pub fn finest(&self) -> u64 {
         self.budgets().first().copied().unwrap_or(self.triangles)
