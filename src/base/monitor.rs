@@ -75,6 +75,7 @@ impl<M: Monitor + Send + ?Sized> Monitor for Arc<M> {
 
 /// What is being done, for a progress line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Phase {
     /// Reading a file; unit: bytes.
     Read,

@@ -1,5 +1,6 @@
 //! A tree to be grown, and a grown one.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -34,6 +35,18 @@ pub struct Tree {
     provenance: Option<Provenance>,
     /// What is to be known of how it was read.
     read_notes: Vec<String>,
+}
+
+impl fmt::Debug for Tree {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { recipe, watcher: _, turned, sources, provenance: _, read_notes: _ } = self;
+        let mut shown = f.debug_struct("Tree");
+        shown
+            .field("recipe", recipe)
+            .field("turned", turned)
+            .field("sources", sources)
+            .finish_non_exhaustive()
+    }
 }
 
 impl Tree {
@@ -181,10 +194,21 @@ impl Tree {
     }
 }
 
-/// A grown tree: measured, drawn and written as often as you like.
+/// A grown tree: measured, drawn and written as often as you like. Clones share its wood and its leaves.
+#[derive(Clone)]
 pub struct GrownTree {
     tree: Tree,
     grown: Grown,
+}
+
+impl fmt::Debug for GrownTree {
+    /// The recipe and how much grew: the nodes themselves would be millions of lines.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { tree, grown } = self;
+        let mut shown = f.debug_struct("GrownTree");
+        shown.field("tree", tree).field("nodes", &grown.skeleton.positions.len());
+        shown.field("organs", &grown.organs.len()).field("notes", &grown.notes).finish_non_exhaustive()
+    }
 }
 
 impl GrownTree {

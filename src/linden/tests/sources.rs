@@ -104,6 +104,88 @@ fn a_copy_of_a_built_in_preset_finds_its_files() {
     assert!(!hashes(&copy).is_empty());
 }
 
+/// Grants so many bytes, and cancels after so many looks.
+struct Grants {
+    bytes: u64,
+    looks: std::sync::atomic::AtomicUsize,
+}
+
+impl Grants {
+    fn of(bytes: u64, looks: usize) -> Self {
+        Self { bytes, looks: looks.into() }
+    }
+}
+
+impl linden::Monitor for Grants {
+    fn is_cancelled(&self) -> bool {
+        use std::sync::atomic::Ordering::Relaxed;
+        self.looks.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(1)).is_err()
+    }
+
+    fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
+
+    fn memory_limit(&self) -> u64 {
+        self.bytes
+    }
+}
+
+#[test]
+fn reading_is_watched_and_limited() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("pole.xyz");
+    let rows: Vec<String> = (0..40_000).map(|row| format!("0 {} 0", f64::from(row) * 0.001)).collect();
+    fs::write(&path, rows.join("\n")).unwrap();
+    let read = |bytes, looks| linden::Reading::new().watched(Grants::of(bytes, looks)).read(&path);
+    let length = fs::metadata(&path).unwrap().len();
+    let error = read(length - 1, usize::MAX).err().unwrap();
+    assert!(matches!(error, Error::Memory(_)), "{error}");
+    let error = read(length + 1000, usize::MAX).err().unwrap();
+    assert!(matches!(error, Error::Memory(_)), "the points besides: {error}");
+    assert!(read(u64::MAX, 1).err().unwrap().is_cancelled());
+    let tree = read(u64::MAX, 100).unwrap();
+    assert!(tree.grow().err().unwrap().is_cancelled(), "the tree is watched, too");
+}
+
+#[test]
+fn the_library_runs_no_plug_ins_unasked() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |asks: &str| {
+        let mut command = std::process::Command::new(std::env::current_exe().unwrap());
+        command.args(["--exact", "finds_plug_ins_on_the_path"]);
+        command.env("PATH", folder.path()).env("LINDEN_TEST_ASKS", asks).output().unwrap()
+    };
+    let program = folder.path().join(format!("linden-export-pwn{}", std::env::consts::EXE_SUFFIX));
+    fs::copy(std::env::current_exe().unwrap(), program).unwrap();
+    for asks in ["no", "yes"] {
+        let output = run(asks);
+        assert!(output.status.success(), "{asks}: {}", String::from_utf8_lossy(&output.stdout));
+    }
+}
+
+/// For [`the_library_runs_no_plug_ins_unasked`], which runs it with a program on the search path.
+#[test]
+fn finds_plug_ins_on_the_path() {
+    use linden::export::Registry;
+    let Ok(asks) = std::env::var("LINDEN_TEST_ASKS") else { return };
+    let asks = asks == "yes";
+    let registry = if asks { Registry::new().with_plugins() } else { Registry::new() };
+    assert_eq!(registry.find("pwn").is_ok(), asks);
+    assert_eq!(registry.for_path(Path::new("x.pwn")).is_ok(), asks);
+    assert_eq!(registry.exporters().iter().any(|exporter| exporter.format().id == "pwn"), asks);
+    let tree = tree("fir").unwrap().set("points", "60").unwrap().grow().unwrap();
+    assert!(matches!(tree.export_to_memory("x.pwn"), Err(Error::Export(_))));
+}
+
+#[test]
+fn trees_are_debugged_and_cloned() {
+    let tree = tree("fir").unwrap().set("points", "60").unwrap();
+    assert!(format!("{tree:?}").contains("\"points\""));
+    let grown = tree.grow().unwrap();
+    let shown = format!("{grown:?}");
+    assert!(shown.contains("nodes: ") && !shown.contains("positions"), "{shown}");
+    assert_eq!(grown.clone().grown().hash(), grown.grown().hash());
+}
+
 #[cfg(unix)]
 #[test]
 fn devices_and_folders_are_refused_before_they_are_read() {
