@@ -23,7 +23,8 @@
 //! | [`raster`] | pictures |
 //! | [`scanner`] | a simulated laser scanner |
 //! | [`trust`] | which files a document may name |
-//! | [`lsystem`], [`colonization`], [`scan`] | the generators |
+//! | [`report`], [`manifest`] | every number of a tree; the trees of a batch |
+//! | [`lsystem`], [`colonization`], [`scan`], [`qsm`], [`weber_penn`], [`self_organizing`] | the generators |
 //! | [`skeleton`], [`surface`], [`foliage`], [`texture`], [`wind`], [`stage`] | what trees are made of |
 //!
 //! This page's functions open the files that they are given; the modules below open none. Nothing reads a clock

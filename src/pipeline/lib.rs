@@ -20,6 +20,9 @@
 //! What these stand on is here too, by its names: [`knob`], [`input`], [`picture`], [`monitor`] …
 //! (`linden_base`), [`skeleton`], [`lsystem`], [`colonization`], [`scan`], [`growth`], and, of
 //! `linden_plant`, [`surface`], [`foliage`], [`texture`], [`wind`], [`scene`], [`stage`].
+//!
+//! Programs have all of it from the crate `linden`, under the same names: where an example says `linden_pipeline::`, they
+//! write `linden::`.
 
 pub mod dress;
 pub mod forecast;

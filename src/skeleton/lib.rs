@@ -1,4 +1,4 @@
-//! The axial tree: what both generators give and everything after them takes.
+//! The axial tree: what all generators give and everything after them takes.
 //!
 //! A generator gives a [`Branching`] (nodes and their parents); [`Skeleton`] adds what a botanist
 //! sees in it: axes with their orders, and radii. Nodes come parents before children.
