@@ -59,12 +59,23 @@ fn sapling() {
     assert_eq!(found.branches, [1.0, 22.0, 8.0, 10.0]);
     assert_eq!(found.length, [0.8, 0.5, 0.4, 0.45]);
     assert_eq!(found.rotate_spread_deg, [15.0, 0.0, 0.0, 0.0]);
-    assert_eq!((found.attraction_up, found.leaves, found.leaf_bend), (0.6, 9.0, 0.25));
+    assert_eq!((found.attraction_up, found.leaves, found.leaf_bend), (0.6, 0.0, 0.25), "showLeaves is False");
     // What it says of the envelope does not hold while prune is off.
     assert_eq!((found.prune_ratio, found.envelope.width), (0.0, 0.4));
-    assert_eq!(file.notes.len(), 2, "{:?}", file.notes);
+    assert_eq!(file.notes.len(), 3, "{:?}", file.notes);
     assert!(file.notes[0].contains("'twigginess' is unknown"));
-    assert!(file.notes[1].contains("Blender's") && file.notes[1].contains("bevelRes"));
+    assert!(file.notes[1].contains("leaves=9"));
+    assert!(file.notes[2].contains("Blender's") && file.notes[2].contains("bevelRes"));
+}
+
+#[test]
+fn what_sapling_has_and_the_paper_has_not_is_said_to_be_missing() {
+    let text = "{'shape': '2', 'leaves': 5, 'showLeaves': True, 'minRadius': 0.01, 'nrings': 5, 'resU': 4}";
+    let file = read_parameters(text).unwrap();
+    assert_eq!(file.settings.leaves, 5.0);
+    let [missing, view] = &file.notes[..] else { panic!("{:?}", file.notes) };
+    assert!(missing.contains("linden does not have them") && missing.ends_with(": minRadius, nrings"));
+    assert!(view.contains("Blender's") && view.ends_with(": resU"));
 }
 
 #[test]
@@ -134,8 +145,9 @@ fn files_grow_as_they_are() -> Result<(), linden::Error> {
         let tree = linden::read(path(name))?.set("levels", "2")?.set("max_nodes", "5000")?;
         let grown = tree.grow()?;
         assert!(grown.measures().height_m > 3.0, "{name}: {}", grown.measures().height_m);
-        // The lines say nothing of leaves, and Arbaro then has none.
-        assert_eq!(grown.grown().organs.is_empty(), name == "rowan.cfg", "{name}");
+        // The lines say nothing of leaves, and Arbaro then has none; Sapling's are switched off.
+        let is_bare = ["rowan.cfg", "hazel-sapling.py"].contains(&name);
+        assert_eq!(grown.grown().organs.is_empty(), is_bare, "{name}");
         if name == "rowan.xml" {
             assert!(
                 grown.notes().iter().any(|note| note.contains("'2Wobble' is unknown")),

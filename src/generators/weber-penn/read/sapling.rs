@@ -52,13 +52,12 @@ const OF_LEVELS: [(&str, &str); 15] = [
 ];
 
 /// What is Blender's: its view, meshes, armatures and animation.
-const OF_BLENDER: [&str; 35] = [
+const OF_BLENDER: [&str; 25] = [
     "af1",
     "af2",
     "af3",
     "armAnim",
     "armLevels",
-    "autoTaper",
     "bevel",
     "bevelRes",
     "boneStep",
@@ -67,27 +66,31 @@ const OF_BLENDER: [&str; 35] = [
     "gust",
     "gustF",
     "handleType",
-    "horzLeaves",
     "leafAnim",
-    "leafangle",
     "loopFrames",
     "makeMesh",
     "matIndex",
-    "minRadius",
-    "nrings",
     "previewArm",
     "resU",
-    "showLeaves",
-    "startCurv",
     "useArm",
-    "useOldDownAngle",
-    "useParentAngle",
     "wind",
     "windGust",
     "windSpeed",
-    "leafDupliObj",
     "do_update",
     "limitImport",
+];
+
+/// What is the tree's, and linden does not have: rules of Sapling's that the paper knows nothing of.
+const OF_SAPLING_ALONE: [&str; 9] = [
+    "autoTaper",
+    "horzLeaves",
+    "leafDupliObj",
+    "leafangle",
+    "minRadius",
+    "nrings",
+    "startCurv",
+    "useOldDownAngle",
+    "useParentAngle",
 ];
 
 pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
@@ -102,13 +105,15 @@ pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
         draft.notes.push("what stands behind the dict is left out".to_owned());
     }
     let mut seed = None;
-    let mut of_blender = Vec::new();
+    let (mut of_blender, mut of_sapling) = (Vec::new(), Vec::new());
     // Descendants of Sapling have profiles of their own under the number 8.
     let is_descendant = entries.iter().any(|(key, ..)| key == "customShape");
     for (key, place, value) in entries {
         let said = Said { name: key, place: *place };
         if OF_BLENDER.contains(&key.as_str()) {
             of_blender.push(key.as_str());
+        } else if OF_SAPLING_ALONE.contains(&key.as_str()) {
+            of_sapling.push(key.as_str());
         } else if key == "seed" {
             seed = value
                 .number()
@@ -118,9 +123,22 @@ pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
             take(&mut draft, &said, value, is_descendant)?;
         }
     }
-    let is_off = |(key, _, value): &(String, _, Literal)| key == "prune" && value.number() == Some(0.0);
-    if entries.iter().any(is_off) {
+    let is_off =
+        |switch: &str| entries.iter().any(|(key, _, value)| key == switch && value.number() == Some(0.0));
+    if is_off("prune") {
         draft.settings.prune_ratio = 0.0;
+    }
+    if is_off("showLeaves") && draft.settings.leaves != 0.0 {
+        let leaves = std::mem::take(&mut draft.settings.leaves);
+        draft
+            .notes
+            .push(format!("showLeaves is False: no leaves; leaves={leaves} would give those of the file"));
+    }
+    if !of_sapling.is_empty() {
+        draft.notes.push(format!(
+            "left out, for linden does not have them, so that the tree may differ: {}",
+            of_sapling.join(", ")
+        ));
     }
     if !of_blender.is_empty() {
         draft
@@ -134,7 +152,7 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal, is_descendant: bool
     let number =
         |literal: &Literal| literal.number().map(single).ok_or_else(|| said.fault("expected a number"));
     match said.name {
-        "prune" => return Ok(()),
+        "prune" | "showLeaves" => return Ok(()),
         "leafShape" => return leaf_shape(draft, said, value),
         "attractUp" => return attraction(draft, said, value),
         "shape" if is_descendant && number(value)? >= 8.0 => {
