@@ -192,6 +192,11 @@ fn what_is_missing_and_what_no_tree_has_is_noted() {
     ] {
         assert!(said.err.contains(note), "{}", said.err);
     }
+    folder.write("firs.csv", "height_m,dbh_m\n11,15\n9,0.2\n12,18\n");
+    let said = noted(&["--seeds", "2"]);
+    let note = "note: firs.csv: dbh_m is more than a fifth of the height for 2 of 3 trees (line 2: 15 m of 11 m), which few \
+                trees are; if the column is in cm, name it dbh_cm\n";
+    assert!(said.err.contains(note), "{}", said.err);
     folder.write("firs.csv", "height_m,dbh_cm\n9,20\n150,1999\n");
     let said = noted(&["--seeds", "2"]);
     assert!(!said.err.contains("note: firs.csv"), "{}", said.err);
@@ -220,6 +225,11 @@ fn what_is_wrong_with_a_table_is_said() {
         ("height\n12\n", "firs.csv has no column that is a number of 'linden stats'"),
         ("height_m,height_cm\n1,1\n", "two columns are height_m; keep one"),
         ("height_m\n", "firs.csv has no measured tree"),
+        (
+            "height_m,dbh_m\n9,0.2\n-11,0.2\n",
+            "firs.csv:3: height_m is -11, which is below 0; correct it, or leave it empty",
+        ),
+        ("height_m,dbh_cm\n9,0\n", "firs.csv:2: dbh_cm is 0, which is no size of a tree"),
         ("height_m,dbh_m\n1\n", "firs.csv:2 has 1 field, the header has 2"),
         ("", "firs.csv has no column"),
     ] {

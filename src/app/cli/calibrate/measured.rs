@@ -57,6 +57,8 @@ struct Column {
     /// The first cell that is no number.
     fault: Option<Fault>,
     beyond: Option<Beyond>,
+    /// Of the line that was read last, metres.
+    latest_m: Option<f64>,
 }
 
 /// A cell that is no number.
@@ -76,6 +78,40 @@ struct Beyond {
     cell: f64,
 }
 
+/// Trees that are thicker for their height than any but a baobab: likely a column in another unit.
+#[derive(Default)]
+struct Stout {
+    count: usize,
+    /// Line, title of the diameter, diameter and height of the first, metres.
+    first: Option<(u64, String, f64, f64)>,
+}
+
+impl Stout {
+    /// Height by diameter below which a tree is told.
+    const LEAST_SLENDER: f64 = 5.0;
+
+    /// Looks at the line that was read last.
+    fn take(&mut self, columns: &[Column], line: u64) {
+        let of = |name: &str| columns.iter().find(|column| column.number.name == name);
+        let (Some(height), Some(dbh)) = (of("height_m"), of("dbh_m")) else { return };
+        if let (Some(height_m), Some(dbh_m)) = (height.latest_m, dbh.latest_m)
+            && dbh_m * Self::LEAST_SLENDER > height_m
+        {
+            self.count += 1;
+            self.first.get_or_insert((line, dbh.title.clone(), dbh_m, height_m));
+        }
+    }
+
+    fn note(&self, shown: &str, trees: usize) -> Option<String> {
+        let (line, title, dbh_m, height_m) = self.first.as_ref()?;
+        Some(format!(
+            "{shown}: {title} is more than a fifth of the height for {} of {trees} trees (line {line}: {dbh_m} m of \
+             {height_m} m), which few trees are; if the column is in cm, name it dbh_cm",
+            self.count
+        ))
+    }
+}
+
 /// A table as text.
 struct Sheet<'a> {
     shown: &'a str,
@@ -93,12 +129,16 @@ impl Measured {
         let (mut columns, mut left_out) = sheet.columns()?;
         let cells = text.lines().count().saturating_mul(columns.len());
         progress.admit("reading measured trees", bytes_of::<f64>(cells), "divide the table")?;
-        let trees = sheet.fill(&mut columns, progress)?;
+        let mut stout = Stout::default();
+        let trees = sheet.fill(&mut columns, &mut stout, progress)?;
         if trees == 0 {
             return Err(usage(format!("{shown} has no measured tree: a line for each below the header")));
         }
         let mut notes = missing_note(&shown, &columns, trees).into_iter().collect::<Vec<String>>();
         notes.extend(columns.iter().filter_map(|column| column.beyond_note(&shown, trees)));
+        notes.extend(
+            stout.note(&shown, trees).filter(|_| columns.iter().all(|column| column.beyond.is_none())),
+        );
         let (mut sampled, mut faults) = (Vec::new(), Vec::new());
         for Column { title, number, values, fault, .. } in columns {
             match (Sample::of(values), fault) {
@@ -148,7 +188,7 @@ impl Sheet<'_> {
     }
 
     /// Reads the trees; how many there are.
-    fn fill(&self, columns: &mut [Column], progress: &Progress) -> anyhow::Result<usize> {
+    fn fill(&self, columns: &mut [Column], stout: &mut Stout, progress: &Progress) -> anyhow::Result<usize> {
         let mut reader = reader(self.text, self.separator);
         let titles = reader.headers().map_err(|error| self.error(&error))?.len();
         let mut trees = 0;
@@ -165,8 +205,9 @@ impl Sheet<'_> {
             }
             trees += 1;
             for column in &mut *columns {
-                column.take(record.get(column.at).unwrap_or_default(), line, self);
+                column.take(record.get(column.at).unwrap_or_default(), line, self)?;
             }
+            stout.take(columns, line);
         }
         Ok(trees)
     }
@@ -185,15 +226,26 @@ const DECIMAL_COMMAS: &str = ": decimal commas are read where ';' or tabs stand 
 impl Column {
     fn new(at: usize, title: &str, number: &'static Number, scale: f64) -> Self {
         let title = excerpt(title);
-        Self { at, title, number, scale, values: Vec::new(), missing: 0, fault: None, beyond: None }
+        Self {
+            at,
+            title,
+            number,
+            scale,
+            values: Vec::new(),
+            missing: 0,
+            fault: None,
+            beyond: None,
+            latest_m: None,
+        }
     }
 
     /// Takes the cell of a line.
-    fn take(&mut self, cell: &str, line: u64, sheet: &Sheet<'_>) {
+    fn take(&mut self, cell: &str, line: u64, sheet: &Sheet<'_>) -> anyhow::Result<()> {
+        self.latest_m = None;
         // What was not measured of a tree.
         if cell.is_empty() || ["na", "nan", "-"].contains(&cell.to_ascii_lowercase().as_str()) {
             self.missing += 1;
-            return;
+            return Ok(());
         }
         let plain = number(cell);
         let with_point = || number(&cell.replacen(',', ".", 1));
@@ -207,12 +259,30 @@ impl Column {
                 let said = format!("{shown}:{line}: {title} is '{cell}', {expected}");
                 self.fault = Some(Fault { said, is_decimal_comma });
             }
-            return;
+            return Ok(());
         };
+        if let Some(least) = self.refused(value) {
+            let (shown, title, cell) = (sheet.shown, &self.title, excerpt(cell));
+            return Err(usage(format!(
+                "{shown}:{line}: {title} is {cell}, which is {least}; correct it, or leave it empty where nothing was measured"
+            )));
+        }
         if self.limit().is_some_and(|(limit, _)| value * self.scale > limit) {
             self.beyond.get_or_insert(Beyond { count: 0, line, cell: value }).count += 1;
         }
         self.values.push(value * self.scale);
+        self.latest_m = Some(value * self.scale);
+        Ok(())
+    }
+
+    /// Why a number can be no size of a tree.
+    fn refused(&self, value: f64) -> Option<&'static str> {
+        let is_size =
+            matches!(self.number.group, Group::Size | Group::Stem | Group::Crown) && self.number.unit == "m";
+        if is_size && value < 0.0 {
+            return Some("below 0");
+        }
+        (self.limit().is_some() && value == 0.0).then_some("no size of a tree")
     }
 
     /// What no tree has, in metres, and the units that such a value is likely in.
