@@ -81,6 +81,18 @@ fn mistakes_are_told_with_what_was_expected() {
 }
 
 #[test]
+fn conditions_are_read_as_the_book_prints_them() {
+    let read = |condition: &str| Grammar::new("A(1)", &[format!("A(x) : {condition} -> F(x)")]).unwrap();
+    for (printed, written) in [
+        ("x = 3", "x == 3"),
+        ("x = 1 & x > 0 | !(x = 7)", "x == 1 && x > 0 || !(x == 7)"),
+        ("x≥1&x≤2|x≠4", "x>=1 && x<=2 || x!=4"),
+    ] {
+        assert_eq!(read(printed), read(written), "{printed}");
+    }
+}
+
+#[test]
 fn places_are_bytes_for_programs_and_columns_for_people() {
     let error = Grammar::new("F", &["F -> F", "λ → λλ]"]).unwrap_err();
     assert_eq!((error.part, error.offset, error.column), (GrammarPart::Rule(1), 11, 7));
@@ -111,8 +123,8 @@ fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
         ("F", "A(l) -> F(abs(l,1))", "rule 1, column 16: 'abs' takes 1 argument, found 2"),
         (
             "F",
-            "A(l) : l = 3 -> F",
-            "rule 1, column 10: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
+            "A(l) -> F(l=3)",
+            "rule 1, column 12: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
         ),
         (
             "F",
@@ -190,7 +202,7 @@ fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
         (
             "F",
             "F(a) : a>0.5 = F(a/2)",
-            "rule 1, column 14: expected an operator ('==' compares; behind a condition the arrow is '->'), found '='",
+            "rule 1, column 14: expected '->' (behind ':' a '=' compares), found '='",
         ),
         (
             "F",

@@ -122,6 +122,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
     if grid::is_grid(text) {
         return Ok(InputKind::HeightGrid);
     }
+    if is_cpfg(text) {
+        return Err(InputError::Unknown { looks: CPFG });
+    }
     let mut assigns = false;
     for (_, line) in lines(text) {
         let line = line.trim();
@@ -142,6 +145,18 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         "txt" | "l" => Ok(InputKind::Grammar),
         _ => Ok(InputKind::Preset),
     }
+}
+
+const CPFG: &str = "is an L-system of cpfg (L-studio); write 'axiom=F' for 'Axiom: F', 'number of derivations=5' for \
+                    'derivation length: 5', a line 'angle=25', and '->' for '-->' (docs/grammar.md has a table)";
+
+/// Whether this is an L-system of cpfg: its keys, each with a colon behind it.
+fn is_cpfg(text: &str) -> bool {
+    const KEYS: [&str; 3] = ["lsystem:", "derivation length:", "axiom:"];
+    let begins =
+        |line: &str, key: &str| line.get(..key.len()).is_some_and(|found| found.eq_ignore_ascii_case(key));
+    let is_there = |key: &str| lines(text).any(|(_, line)| begins(line.trim(), key));
+    KEYS.into_iter().filter(|key| is_there(key)).count() >= 2
 }
 
 /// Whether these are parameters of Arbaro's: XML with its tag.
@@ -219,6 +234,16 @@ mod tests {
 
     fn kind(text: &str) -> InputKind {
         sniff(text.as_bytes(), "misleading.png").unwrap()
+    }
+
+    #[test]
+    fn an_l_system_of_cpfg_is_told_what_to_write() {
+        let text = "Lsystem: 1\n#define r 0.5\nderivation length: 4\nAxiom: A(1)\nA(x) --> F(x)[+A(x*r)]\nendlsystem\n";
+        for name in ["tree.l", "tree.txt", "tree"] {
+            let said = sniff(text.as_bytes(), name).unwrap_err().to_string();
+            assert!(said.contains("cpfg") && said.contains("'axiom=F'"), "{said}");
+        }
+        assert_eq!(kind("axiom=F\nangle=20\nnumber of derivations=2\nF=FF\n"), InputKind::Grammar);
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::command::{Command, sign_of_rules};
 use super::error::{GrammarError, GrammarPart, Problem};
-use super::expression::parse::{Scope, expression, no_operator};
+use super::expression::parse::{Scope, condition, expression, no_operator};
 use super::expression::{Expression, Function};
 use super::grammar::{Definition, Grammar, Module, Pattern, Production, groups};
 use super::reader::{Misread, Reader};
@@ -426,7 +426,7 @@ impl Reader<'_> {
         }
         self.peek();
         let place = self.clone();
-        let condition = expression(self, scope)?;
+        let condition = condition(self, scope)?;
         if let Some(found @ (')' | ',')) = self.peek() {
             return Err(self.misread(Problem::expected("'->' or '→'", Some(found))));
         }

@@ -55,7 +55,16 @@ enum Pending {
 
 /// Reads an expression up to a `)` or `,` that is not its own, an arrow, or the end.
 pub(in super::super) fn expression(reader: &mut Reader<'_>, scope: Scope<'_>) -> Result<Expression, Misread> {
-    let mut parser = Parser { tokens: Vec::new(), pending: Vec::new(), operands: 0 };
+    parsed(reader, scope, false)
+}
+
+/// The same of a condition, in which `=`, `&` and `|` compare and join, as ABOP prints them.
+pub(in super::super) fn condition(reader: &mut Reader<'_>, scope: Scope<'_>) -> Result<Expression, Misread> {
+    parsed(reader, scope, true)
+}
+
+fn parsed(reader: &mut Reader<'_>, scope: Scope<'_>, is_condition: bool) -> Result<Expression, Misread> {
+    let mut parser = Parser { tokens: Vec::new(), pending: Vec::new(), operands: 0, is_condition };
     loop {
         parser.operand(reader, scope)?;
         if !parser.operator(reader)? {
@@ -64,11 +73,22 @@ pub(in super::super) fn expression(reader: &mut Reader<'_>, scope: Scope<'_>) ->
     }
 }
 
+/// Operators as ABOP prints them in conditions.
+const PRINTED: [(Binary, &str); 6] = [
+    (Binary::Equal, "="),
+    (Binary::And, "&"),
+    (Binary::Or, "|"),
+    (Binary::LessOrEqual, "≤"),
+    (Binary::GreaterOrEqual, "≥"),
+    (Binary::Unequal, "≠"),
+];
+
 struct Parser {
     tokens: Vec<Token>,
     pending: Vec<Pending>,
     /// How many values an evaluation holds at this place.
     operands: usize,
+    is_condition: bool,
 }
 
 impl Parser {
@@ -164,8 +184,7 @@ impl Parser {
                     Some(_) => Err(reader.misread(Problem::expected("')'", found))),
                 };
             }
-            let binary = Binary::ALL.into_iter().find(|binary| reader.rest().starts_with(binary.sign()));
-            let Some(binary) = binary else {
+            let Some((binary, sign)) = self.sign(reader.rest()) else {
                 return Err(reader.misread(no_operator(found)));
             };
             let strength = binary.strength();
@@ -179,12 +198,24 @@ impl Parser {
                 && let Some(Pending::Binary(before)) = self.pending.last()
                 && before.strength() == COMPARISON
             {
-                return Err(reader.misread(Problem::expected("one comparison (join two with '&&')", found)));
+                let expected = match sign {
+                    "=" => "'->' (behind ':' a '=' compares)",
+                    _ => "one comparison (join two with '&&')",
+                };
+                return Err(reader.misread(Problem::expected(expected, found)));
             }
-            reader.eat(binary.sign());
+            reader.eat(sign);
             self.open(reader, Pending::Binary(binary))?;
             return Ok(true);
         }
+    }
+
+    /// The operator that a text begins with, and how it is written there.
+    fn sign(&self, rest: &str) -> Option<(Binary, &'static str)> {
+        let of_book: &[(Binary, &str)] = if self.is_condition { &PRINTED } else { &[] };
+        let mut signs =
+            Binary::ALL.map(|binary| (binary, binary.sign())).into_iter().chain(of_book.iter().copied());
+        signs.find(|(_, sign)| rest.starts_with(sign))
     }
 
     /// Begins what waits for the end of its operand.
