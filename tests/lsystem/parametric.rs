@@ -160,6 +160,7 @@ fn numbers_out_of_range_are_named() {
     // A length may shrink to nothing.
     assert_eq!(derived("A(1)", &["A(x) -> F(x-1)"], 1), "F(0)");
     assert_eq!(derived("F(0)", &["F(x) -> F(x+1)"], 2), "F(2)");
+    assert_eq!(derived("A", &["#define gap 0", "A -> F(gap)F"], 1), "F(0)F");
 }
 
 #[test]

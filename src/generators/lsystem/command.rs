@@ -53,8 +53,6 @@ pub(super) enum Sense {
 /// The largest length, angle or width that an argument may name. Together with the largest segment
 /// and the most symbols it keeps every position far inside the range of `f32`.
 const LARGEST: f64 = 1e6;
-/// The shortest segment: below it, a drawn segment would vanish in `f32`.
-const SHORTEST: f64 = 1e-6;
 
 impl Command {
     /// The meaning of a symbol; `None` for what is no symbol at all.
@@ -125,17 +123,11 @@ impl Command {
     /// the turtle reads none.
     pub(super) fn argument_range(self) -> Option<[f64; 2]> {
         match self {
-            Self::Draw | Self::DrawUnrecorded | Self::Width => Some([SHORTEST, LARGEST]),
-            Self::Colour => Some([0.0, LARGEST]),
+            // A segment may shrink to nothing: it is not drawn then.
+            Self::Draw | Self::DrawUnrecorded | Self::Width | Self::Colour => Some([0.0, LARGEST]),
             Self::Move | Self::Yaw(_) | Self::Pitch(_) | Self::Roll(_) => Some([-LARGEST, LARGEST]),
             _ => None,
         }
-    }
-
-    /// The same where a rule computes the number: a segment may shrink to nothing.
-    pub(super) fn computed_range(self) -> Option<[f64; 2]> {
-        let [low, high] = self.argument_range()?;
-        Some([if low == SHORTEST { 0.0 } else { low }, high])
     }
 }
 

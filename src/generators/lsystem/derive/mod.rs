@@ -191,7 +191,7 @@ fn bad_condition(
 #[cold]
 fn bad_value(program: &Program, id: u32, arguments: &[f64], derivation: u32) -> LsystemError {
     let entry = &program.modules[id as usize];
-    let range = Command::of(entry.symbol).and_then(Command::computed_range);
+    let range = Command::of(entry.symbol).and_then(Command::argument_range);
     let (value, expected) = match (arguments.iter().find(|value| !value.is_finite()), range) {
         (Some(&value), _) => (value, "a finite number".to_owned()),
         (None, Some([min, max])) => (arguments[0], format!("{min} to {max}")),
@@ -224,7 +224,7 @@ impl<'a, S: Sink> Outlet<'a, S> {
         monitor: &'a dyn Monitor,
         sink: &'a mut S,
     ) -> Self {
-        let ranges = program.commands().map(|(command, _)| Command::computed_range(command)).collect();
+        let ranges = program.commands().map(|(command, _)| Command::argument_range(command)).collect();
         Self { program, settings, total, monitor, ranges, sink, given: 0, spent: 0, within_limit: None }
     }
 

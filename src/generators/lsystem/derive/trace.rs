@@ -68,8 +68,7 @@ pub struct TracedModule {
 ///
 /// Written out it is an axiom again: [`Traced`] shows itself as grammars are written. For a grammar without
 /// chance, deriving that axiom goes on where the word stands. It does not where chance has a say, because
-/// choices are keyed by the path from the first axiom, nor can it where the word is empty or holds an
-/// argument that may be computed but not written, as the length of an `F(0)`.
+/// choices are keyed by the path from the first axiom, nor can it where the word is empty.
 ///
 /// ```
 /// use linden_base::monitor::Quiet;
