@@ -699,8 +699,9 @@ fn leaves_of_weber_and_penn_are_there_only_with_a_form() {
     assert_eq!(bare.organs.len(), 0);
     assert!(formed.organs.len() > 10, "{}", formed.organs.len());
     assert_eq!(formed.organs.len(), formed.given.len());
-    let other =
-        grow("[[foliage.also]]\nname = \"b\"\nleaf_form = \"card\"\nleaves_per_m = 2\nleaf_terminal = false");
+    let other = grow(
+        "[[foliage.also]]\nname = \"b\"\nleaf_form = \"card\"\nleaves_per_m = 20\nleaf_max_radius = 5\nleaf_terminal = false",
+    );
     assert!(!other.organs.is_empty());
     let mut kinds = (0..other.organs.len()).map(|organ| other.organs.shape(organ).map(|shape| shape.kind));
     assert!(kinds.all(|kind| kind == Some(1)), "only the further kind");
