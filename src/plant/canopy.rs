@@ -58,8 +58,9 @@ pub struct Canopy {
     pub corners: Vec<DVec3>,
     /// Height at which the lowest leaf is attached, metres; `None` where there is no leaf.
     pub lowest_leaf_m: Option<f64>,
-    /// Area of leaves by the angle between the blade and the level, in [`INCLINATIONS`] classes of equal width from 0
-    /// to 90 degrees, square metres.
+    /// Area of leaves, each drawn once, by the angle between the blade and the level, in [`INCLINATIONS`] classes of equal
+    /// width from 0 to 90 degrees, square metres. Of sheets that cross in a leaf the first is its blade; the two of a twig
+    /// are rolled as far to one side as to the other, and count half each.
     pub inclinations_m2: Vec<f64>,
     /// Area of leaves, each counted once as in [`Canopy::leaf_area_once_m2`], in [`LAYERS`] layers of equal thickness from
     /// `floor_m` to `top_m`, from the lowest, by the middles of triangles, square metres.
@@ -96,6 +97,8 @@ struct Stamp<'a> {
     mesh: &'a Mesh,
     /// The opaque share of each triangle.
     shares: Vec<f64>,
+    /// Of each triangle, how much it counts for the inclination of its leaf.
+    facing: Vec<f64>,
     /// Index of its crop.
     crop: usize,
 }
@@ -138,13 +141,17 @@ pub fn canopy(
     let mut stamps: Vec<Stamp<'_>> = PROTOTYPES
         .iter()
         .enumerate()
-        .map(|(i, prototype)| Stamp { mesh: prototype.mesh(), shares: whole(prototype.mesh()), crop: 1 + i })
+        .map(|(i, prototype)| {
+            let mesh = prototype.mesh();
+            Stamp { mesh, shares: whole(mesh), facing: whole(mesh), crop: 1 + i }
+        })
         .collect();
     stamps.extend(shapes.iter().map(|LeafShape { kind, mesh, faces, .. }| {
         let kind = usize::from(*kind).min(kinds.len() - 1);
         let mask = covers.get(kind).and_then(Option::as_ref).and_then(Cover::mask).map(AsRef::as_ref);
         let shares = opaque_shares(mesh, mask).into_iter().map(|share| share / f64::from(*faces));
-        Stamp { mesh, shares: shares.collect(), crop: first_kind + kind }
+        let facing = facing(kinds[kind], mesh.triangles.len(), usize::from(*faces));
+        Stamp { mesh, shares: shares.collect(), facing, crop: first_kind + kind }
     }));
     let measuring = Measuring { organs, stamps: &stamps, crops: &crops };
 
@@ -183,7 +190,7 @@ pub fn canopy(
     let areas = run(&|part, mesh, stamp, _| {
         part.inclinations_m2.resize(INCLINATIONS, 0.0);
         part.layers_m2.resize(LAYERS, 0.0);
-        for (triangle, share) in mesh.triangles.iter().zip(&stamp.shares) {
+        for ((triangle, share), facing) in mesh.triangles.iter().zip(&stamp.shares).zip(&stamp.facing) {
             let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize].as_dvec3());
             let normal = (b - a).cross(c - a);
             let area = normal.length() / 2.0 * share;
@@ -191,7 +198,7 @@ pub fn canopy(
             if area > 0.0 && crops[stamp.crop].is_leaf {
                 let level = DVec3::new(normal.x, 0.0, normal.z).length();
                 let inclination = libm::atan2(level, normal.y.abs()) / FRAC_PI_2;
-                part.inclinations_m2[class(inclination, INCLINATIONS)] += area;
+                part.inclinations_m2[class(inclination, INCLINATIONS)] += area * facing;
                 let height = ((a.y + b.y + c.y) / 3.0 - floor_m) / (top_m - floor_m).max(f64::MIN_POSITIVE);
                 part.layers_m2[class(height, LAYERS)] += area / f64::from(crops[stamp.crop].sheets);
             }
@@ -230,6 +237,19 @@ pub fn canopy(
 /// The class of a share, 0 to 1.
 fn class(share: f64, classes: usize) -> usize {
     ((share.max(0.0) * classes as f64) as usize).min(classes - 1)
+}
+
+/// How much each of some triangles counts for the inclination of a leaf of a kind, whose sheets come one after the other,
+/// in each of its faces.
+fn facing(kind: &LeafKind, triangles: usize, faces: usize) -> Vec<f64> {
+    let Crop { sheets, .. } = crop_of(kind);
+    let in_face = triangles / faces.max(1);
+    let in_sheet = in_face / sheets as usize;
+    let of_triangle = |i: usize| match kind.form {
+        Form::Cross | Form::Tuft if sheets > 1 => f64::from(u8::from(i % in_face.max(1) < in_sheet)),
+        _ => 1.0 / f64::from(sheets),
+    };
+    (0..triangles).map(of_triangle).collect()
 }
 
 /// A grammar's organs.
@@ -273,7 +293,8 @@ impl Measuring<'_> {
                 shaper.add(self.organs, organ, &mut mesh);
                 let shares = vec![1.0; mesh.triangles.len()];
                 let foot_m = self.organs.corners_of(organ).first().map_or(0.0, |foot| f64::from(foot.y));
-                look(&mesh, &Stamp { mesh: &Mesh::default(), shares, crop: 0 }, foot_m);
+                let facing = shares.clone();
+                look(&mesh, &Stamp { mesh: &Mesh::default(), shares, facing, crop: 0 }, foot_m);
                 continue;
             };
             let prototype = usize::from(self.organs.placed.prototypes[placed]);

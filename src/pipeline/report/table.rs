@@ -358,10 +358,10 @@ numbers! {
         "leaf_area_once_m2 ÷ crown_projection_with_leaves_m2; null without leaves"
         ("Watson 1947, over the ground that the crown covers") = |f| f.leaf_area_index();
     leaf_inclination_mean_deg: Option<f64>, Leaves "mean inclination" ["°"] Leaves
-        "the angle between a blade and the level, averaged over leaf_area_m2: 0 level, 90 upright"
+        "the angle between a blade and the level, averaged over leaf_area_once_m2: 0 level, 90 upright; of the crossing sheets of a leaf the first is the blade, the two of a twig (leaf_form=twig) stand for its leaves"
         ("Ross 1981, The radiation regime and architecture of plant stands") = |f| f.inclination_mean_deg();
     leaf_inclination_shares: Option<Vec<f64>>, Leaves "inclination, 10° classes" [""] Leaves
-        "shares of leaf_area_m2 with an inclination of 0 to 10, 10 to 20, … 80 to 90 degrees: nine that add up to 1"
+        "shares of leaf_area_once_m2 with an inclination of 0 to 10, 10 to 20, … 80 to 90 degrees: nine that add up to 1"
         ("Ross 1981") = |f| f.inclination_shares();
     g_function: Option<Vec<f64>>, Leaves "G, from 0° to 90°" [""] Leaves
         "G(θ), the mean projection of a unit of leaf area on a plane square to a direction θ off the upright, for θ of 0, 10, … 90 degrees, by the inclinations (classes of 0.1°) of leaves that face all compass directions alike"
