@@ -26,7 +26,7 @@ pub fn tree(id: &str) -> Result<Tree, Error> {
 
 /// A tree from a file, told by its content: a preset (TOML), a recipe (JSON, alone or in any file that linden
 /// wrote), a grammar, parameters of Arbaro, Sapling or tree-gen, a mesh that a crown fills (OBJ, PLY), points (PLY,
-/// XYZ, LAS and LAZ, E57, PCD, PTX), a grid of heights (GeoTIFF), or cylinders (CSV, and TreeQSM's MAT).
+/// XYZ, LAS and LAZ, E57, PCD, PTX), a grid of heights (`GeoTIFF`), or cylinders (CSV, and the MAT of `TreeQSM`).
 ///
 /// Files that a preset or recipe names are those beside it or below it ([`trust`]), else those that stand beside
 /// built-in presets. No export of the tree replaces a file that it was read from. [`Reading`] does the same for a

@@ -364,18 +364,18 @@ mod tests {
 
     #[test]
     fn fields_out_of_their_knobs_ranges_are_refused() {
-        let spoil: [(&str, fn(&mut Layout)); 7] = [
-            ("distinct", |layout| layout.distinct = 0),
-            ("distinct", |layout| layout.distinct = u64::MAX),
-            ("area", |layout| layout.area_m = f64::NAN),
-            ("spacing", |layout| layout.spacing_m = f64::NAN),
-            ("spacing", |layout| layout.spacing_m = 0.0),
-            ("size_spread", |layout| layout.size_spread = 5.0),
-            ("trees", |layout| layout.trees = Some(0)),
-        ];
-        for (knob, spoil) in spoil {
+        let sound = Layout::default();
+        for (knob, layout) in [
+            ("distinct", Layout { distinct: 0, ..sound }),
+            ("distinct", Layout { distinct: u64::MAX, ..sound }),
+            ("area", Layout { area_m: f64::NAN, ..sound }),
+            ("spacing", Layout { spacing_m: f64::NAN, ..sound }),
+            ("spacing", Layout { spacing_m: 0.0, ..sound }),
+            ("size_spread", Layout { size_spread: 5.0, ..sound }),
+            ("trees", Layout { trees: Some(0), ..sound }),
+        ] {
             let mut forest = forest(&[]);
-            spoil(&mut forest.layout);
+            forest.layout = layout;
             let error = forest.plan(&Quiet).unwrap_err();
             let ForestError::Layout(LayoutError::Value { name, .. }) = &error else { panic!("{error}") };
             assert_eq!(*name, knob);
