@@ -5,8 +5,8 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, nearest, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
-    Steps, TableKey, Task, Traits, Written,
+    Bears, Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler,
+    Settings, Steps, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{ABOP, Publication};
 use linden_skeleton::{AxisRule, Width, Wood};
@@ -184,8 +184,7 @@ impl Settings for LSystem {
         Traits {
             radii: if self.gives_radii(wood) { RadiiFrom::Generator } else { RadiiFrom::Rule },
             axes: AxisRule::Grammar,
-            places_organs: self.writes("{~", false),
-            organs_need_form: false,
+            bears: if self.writes("{~", false) { Bears::Organs } else { Bears::Nothing },
             knows_use: false,
             tells_age: self.derivations_grown() == 0 || !self.rewrites_all_wood(),
         }

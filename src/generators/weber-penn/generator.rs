@@ -5,8 +5,8 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps, TableKey,
-    Task, Traits,
+    Bears, Branched, Generator, GeneratorError, Passage, RadiiFrom, SampleSize, Sampler, Settings, Steps,
+    TableKey, Task, Traits,
 };
 use linden_skeleton::organs::Organs;
 use linden_skeleton::publication::{Publication, PublicationKind};
@@ -111,8 +111,7 @@ impl Settings for WeberPenn {
         Traits {
             radii: RadiiFrom::Generator,
             axes: AxisRule::Grammar,
-            places_organs: self.leaves != 0.0 && self.levels > 1,
-            organs_need_form: true,
+            bears: if self.leaves != 0.0 && self.levels > 1 { Bears::Leaves } else { Bears::Nothing },
             ..Traits::default()
         }
     }

@@ -311,11 +311,8 @@ pub struct Traits {
     /// What [`AxisRule::Auto`] stands for: [`AxisRule::Grammar`] where it says which child continues an
     /// axis ([`Branching::edges`](crate::Branching::edges)).
     pub axes: AxisRule,
-    /// Whether they place leaves and the like.
-    pub places_organs: bool,
-    /// Whether these leaves are there only where the first kind of foliage has a form
-    /// ([`Organs::need_form`](crate::organs::Organs::need_form)).
-    pub organs_need_form: bool,
+    /// What they bear.
+    pub bears: Bears,
     /// Whether it is known of each node whether it was of use, so that pruning goes by that.
     pub knows_use: bool,
     /// Whether births tell old wood from young.
@@ -328,12 +325,23 @@ impl Default for Traits {
         Self {
             radii: RadiiFrom::Rule,
             axes: AxisRule::Thickest,
-            places_organs: false,
-            organs_need_form: false,
+            bears: Bears::Nothing,
             knows_use: false,
             tells_age: true,
         }
     }
+}
+
+/// What a generator places on the wood.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Bears {
+    /// Nothing.
+    Nothing,
+    /// Organs with shapes of their own.
+    Organs,
+    /// Leaves that are there only where the first kind of foliage has a form
+    /// ([`Organs::need_form`](crate::organs::Organs::need_form)).
+    Leaves,
 }
 
 /// Where radii come from.

@@ -81,6 +81,7 @@ mod tests {
             lods: Vec::new(),
         };
         Organs {
+            need_form: false,
             polygons: Polygons {
                 corners: vectors(1.0),
                 ends: vec![1, 2],

@@ -15,7 +15,7 @@ mod wood;
 use linden_plant::settings::{Dressing, FoliageSettings, Form, LeafKind};
 use linden_plant::wind::Wind;
 use linden_skeleton::Width;
-use linden_skeleton::generator::RadiiFrom;
+use linden_skeleton::generator::{Bears, RadiiFrom};
 
 use super::{Preset, Section};
 
@@ -117,13 +117,13 @@ impl Preset {
 
     /// Whether the generator's organs are there: leaves that need a form are not, where `leaf_form` is none.
     fn places_organs(&self) -> bool {
-        self.generator.traits(&self.wood).places_organs && !self.lacks_form()
+        self.generator.traits(&self.wood).bears != Bears::Nothing && !self.lacks_form()
     }
 
     /// Whether the generator's leaves are missing since `leaf_form` is none.
     fn lacks_form(&self) -> bool {
-        let needs_form = self.generator.traits(&self.wood).organs_need_form;
-        needs_form && self.dressing.foliage.first.form == Form::None
+        let bears = self.generator.traits(&self.wood).bears;
+        bears == Bears::Leaves && self.dressing.foliage.first.form == Form::None
     }
 }
 
