@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, MemoryFile,
-    Options, Pictures, Written, commit_all, ensure_distinct, ensure_spared, examine,
+    Options, Pictures, WindLoop, Written, commit_all, ensure_distinct, ensure_spared, examine,
 };
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::season::Season;
@@ -169,6 +169,15 @@ impl fmt::Debug for Output {
     }
 }
 
+/// An age that was written, for what gathers them.
+struct WrittenAge {
+    age: String,
+    plant: String,
+    recipe: String,
+    bounds: Option<Bounds>,
+    wind: Option<WindLoop>,
+}
+
 /// Outputs whose places were tried and found free.
 pub struct Batch {
     outputs: Vec<Output>,
@@ -179,8 +188,7 @@ pub struct Batch {
     written: Vec<Bundle>,
     /// Made for the files, and removed again after them unless they are committed.
     folders: Vec<MadeFolders>,
-    /// Ages that were written: name, the plant's name, its box.
-    ages: Vec<(String, String, Option<Bounds>)>,
+    ages: Vec<WrittenAge>,
 }
 
 impl Batch {
@@ -301,8 +309,9 @@ impl Batch {
         self.outputs.retain(has);
         if let Some(age) = age {
             let is_gathered = self.outputs.iter().any(|output| output.gathers);
-            let bounds = if is_gathered { whole_bounds(stage) } else { None };
-            self.ages.push((age.to_owned(), stage.name.clone(), bounds));
+            if is_gathered {
+                self.ages.push(WrittenAge::of(age, stage));
+            }
         }
         let mut said: Vec<String> = Vec::new();
         let outputs = self.outputs.iter().zip(&mut self.bundles).filter(|(output, _)| is_its(output));
@@ -336,12 +345,13 @@ impl Batch {
                     .filter(|other| other.exporter.format().id == output.exporter.format().id)
                     .find(is_its)
             };
-            let file = |(age, _, bounds): &(String, String, Option<Bounds>)| {
+            let file = |WrittenAge { age, bounds, wind, .. }: &WrittenAge| {
                 let name = of_age(age)?.path.file_name()?.to_string_lossy().into_owned();
-                Some(AgeFile { age: age.clone(), file: format!("./{name}"), bounds: *bounds })
+                Some(AgeFile { age: age.clone(), file: format!("./{name}"), bounds: *bounds, wind: *wind })
             };
-            let name = ages.first().map_or_else(String::new, |(_, name, _)| name.clone());
-            gather(&AgeSet { name, ages: ages.iter().filter_map(file).collect() }, bundle, monitor)?;
+            let name = ages.first().map_or_else(String::new, |first| first.plant.clone());
+            let recipe = ages.last().map_or_else(String::new, |last| last.recipe.clone());
+            gather(&AgeSet { name, recipe, ages: ages.iter().filter_map(file).collect() }, bundle, monitor)?;
         }
         Ok(())
     }
@@ -363,6 +373,18 @@ impl Batch {
         let mut listed = BTreeSet::new();
         written.retain(|file| listed.insert(file.path.clone()));
         Ok(written)
+    }
+}
+
+impl WrittenAge {
+    fn of(age: &str, stage: &Stage<'_>) -> Self {
+        Self {
+            age: age.to_owned(),
+            plant: stage.name.clone(),
+            recipe: crate::recipe::of_stage(stage).1.to_owned(),
+            bounds: whole_bounds(stage),
+            wind: WindLoop::of_stage(stage),
+        }
     }
 }
 

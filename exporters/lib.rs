@@ -79,7 +79,7 @@ use std::io;
 use linden_pipeline::Monitor;
 use linden_pipeline::stage::Stage;
 
-pub use assembly::{AgeFile, AgeSet, Assembly, Member, MemberPlace};
+pub use assembly::{AgeFile, AgeSet, Assembly, Member, MemberPlace, WindLoop};
 pub use batch::{Batch, Output, default_name, plain_stem};
 pub use bundle::{
     Bundle, Existing, MadeFolders, MemoryFile, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,

@@ -14,7 +14,7 @@ pub struct Traces {
     pub options: Vec<Options>,
     /// What its camera, sun, sky and ground were asked for with, where they are in it.
     pub setting: Option<Surroundings>,
-    /// Whether several seasons are in it.
+    /// Whether several seasons or ages are in it.
     pub seasons: bool,
 }
 

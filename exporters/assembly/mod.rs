@@ -15,7 +15,7 @@
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 9.0, 2.0) };
 //! let file = "./fir.usda".to_owned();
-//! let fir = Member { index: 0, source: "fir".to_owned(), seed: 7, file, bounds };
+//! let fir = Member { index: 0, source: "fir".to_owned(), seed: 7, file, bounds, wind: None };
 //! let row = Assembly::side_by_side("firs", vec![fir.clone(), fir]);
 //!
 //! let folder = tempfile::tempdir()?;
@@ -28,12 +28,15 @@
 
 mod ages;
 mod tiles;
+mod wind_loop;
 
 use glam::{DVec2, DVec3};
 use linden_pipeline::Monitor;
 use linden_pipeline::scene::Bounds;
 
 pub use ages::{AgeFile, AgeSet};
+pub use wind_loop::WindLoop;
+pub(crate) use wind_loop::swaying;
 
 use crate::{Bundle, ExportError};
 
@@ -61,6 +64,8 @@ pub struct Member {
     pub file: String,
     /// A box around all that the file holds, Y up.
     pub bounds: Bounds,
+    /// How long it sways, if it does.
+    pub wind: Option<WindLoop>,
 }
 
 /// Where a member stands: scaled, then turned, then moved.
@@ -170,7 +175,7 @@ mod tests {
     fn member(index: u64, min: [f32; 3], max: [f32; 3]) -> Member {
         let (min, max) = (Vec3::from(min), Vec3::from(max));
         let bounds = Bounds { min, max };
-        Member { index, source: "fir".into(), seed: 1, file: format!("./{index}.glb"), bounds }
+        Member { index, source: "fir".into(), seed: 1, file: format!("./{index}.glb"), bounds, wind: None }
     }
 
     #[test]

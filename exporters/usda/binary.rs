@@ -8,7 +8,7 @@ use linden_pipeline::stage::{Stage, Surroundings};
 use super::layer::Layer;
 use super::payload::{self, Split};
 use super::{
-    COLLISION, MOST, OPTIONS, bones, estimate, flavored, levels_by, mesh, nanite, plant, write_beside,
+    COLLISION, MOST, OPTIONS, ages, bones, estimate, flavored, levels_by, mesh, nanite, plant, write_beside,
     write_layer,
 };
 use crate::options::Options;
@@ -111,7 +111,9 @@ pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
     let mesh_types = ["staticMesh", "skeletalMesh"];
     let is_nanite = names.has(nanite::MESH_TYPE);
     let traces = nanite::traced(traces, mesh_types.into_iter().find(|name| is_nanite && names.has(name)));
-    Traces { setting, seasons: names.has("season"), ..traces }
+    // A mesh may have an attribute that is called so.
+    let is_of_ages = names.has(ages::SET) && !names.has("Mesh");
+    Traces { setting, seasons: names.has("season") || is_of_ages, ..traces }
 }
 
 /// What a mesh takes in a crate file, rather more than less: vectors as they are, texture coordinates each once, indices

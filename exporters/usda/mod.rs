@@ -505,6 +505,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             "def Camera ",
             "variantSet \"season\"",
             nanite::TRACE,
+            ages::TRACE,
             assembly::LAST_TRACE,
         ],
     );
@@ -521,6 +522,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         camera,
         seasons,
         is_nanite,
+        ages,
         _,
     ] = seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
@@ -546,7 +548,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
     // Without leaves it does not show.
     let traces =
         if materialx { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
-    Ok(Traces { setting, seasons, ..traces })
+    Ok(Traces { setting, seasons: seasons || ages, ..traces })
 }
 
 /// The recipe of a layer: the root's stands before those of the trees below it.
@@ -650,7 +652,7 @@ fn head<'a>(writing: &'a Writing<'_>, prim: &'a str, component: &Component<'_>) 
 fn open_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let generator = quoted(GENERATOR);
     let pieces: Vec<_> = writing.distinct.parts().collect();
-    let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
+    let time = wind::sway(&pieces).map_or_else(String::new, |sway| wind::time(sway.into()));
     layer.lines(&format!(
         r#"#usda 1.0
 (

@@ -11,7 +11,8 @@ use linden_pipeline::Monitor;
 
 use super::layer::Layer;
 use super::syntax::{identifier, quoted};
-use crate::assembly::{Assembly, Box3, Member, MemberPlace};
+use super::wind::time;
+use crate::assembly::{Assembly, Box3, Member, MemberPlace, WindLoop};
 use crate::{Bundle, ExportError, GENERATOR};
 
 impl Assembly {
@@ -25,15 +26,20 @@ impl Assembly {
     }
 }
 
-/// What stands before the first prim, `root`, of a layer that names others.
-pub(super) fn begin(layer: &mut Layer<'_, '_>, root: &str) -> Result<(), ExportError> {
+/// What stands before the first prim, `root`, of a layer that names others; `wind` is the longest loop of these.
+pub(super) fn begin(
+    layer: &mut Layer<'_, '_>,
+    root: &str,
+    wind: Option<WindLoop>,
+) -> Result<(), ExportError> {
     let generator = quoted(GENERATOR);
+    let time = wind.map_or_else(String::new, time);
     layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
     doc = {generator}
-    metersPerUnit = 1
+{time}    metersPerUnit = 1
     upAxis = "Y"
 )
 
@@ -44,7 +50,7 @@ pub(super) fn begin(layer: &mut Layer<'_, '_>, root: &str) -> Result<(), ExportE
 fn write_layer(layer: &mut Layer<'_, '_>, assembly: &Assembly) -> Result<(), ExportError> {
     let root = identifier(&assembly.name);
     let (name, generator) = (quoted(&assembly.name), quoted(GENERATOR));
-    begin(layer, &root)?;
+    begin(layer, &root, WindLoop::longest(assembly.placed().filter_map(|(_, member)| member.wind)))?;
     layer.open(&format!(
         r#"def Xform "{root}" (
     prepend apiSchemas = ["GeomModelAPI"]
@@ -93,7 +99,7 @@ fn write_place(
     member: &Member,
     is_instanceable: bool,
 ) -> Result<(), ExportError> {
-    let Member { index, source, seed, file, bounds } = member;
+    let Member { index, source, seed, file, bounds, .. } = member;
     let (name, source) = (quoted(&format!("{source} {index}")), quoted(source));
     let instanceable = if is_instanceable { "    instanceable = true\n" } else { "" };
     let file = asset(file);

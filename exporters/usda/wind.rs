@@ -15,6 +15,7 @@ use super::mesh::primvar;
 use super::syntax::tuple;
 use super::{bones, extent};
 use crate::ExportError;
+use crate::assembly::{WindLoop, swaying};
 use crate::writing::distinct::MeshPart;
 
 /// The joints of the rig: the corners of the box round the plant.
@@ -22,8 +23,7 @@ const JOINTS: &str = "\"low\", \"high\"";
 
 /// The loop of some meshes.
 pub(super) fn sway<'a>(pieces: &[&MeshPart<'a>]) -> Option<&'a Sway> {
-    let of = |wind: &'a PartWind| wind.bones.as_ref().map(|bones| &*bones.sway).or(wind.sway.as_deref());
-    pieces.iter().find_map(|piece| of(piece.wind?))
+    pieces.iter().find_map(|piece| swaying(piece.wind?))
 }
 
 /// What stands before the braces of the prim that carries a plant's meshes, and within them before
@@ -115,11 +115,9 @@ rel skel:animationSource = <{path}/Wind>"#
 }
 
 /// What a layer with a loop says about time.
-pub(super) fn time(sway: &Sway) -> String {
-    let rate = sway.frames_per_second();
+pub(super) fn time(WindLoop { frames, frames_per_second: rate }: WindLoop) -> String {
     format!(
-        "    endTimeCode = {}\n    framesPerSecond = {rate}\n    startTimeCode = 0\n    timeCodesPerSecond = {rate}\n",
-        sway.frames()
+        "    endTimeCode = {frames}\n    framesPerSecond = {rate}\n    startTimeCode = 0\n    timeCodesPerSecond = {rate}\n"
     )
 }
 

@@ -39,6 +39,12 @@ fn each_age_has_files_and_usd_one_over_them() {
     assert_eq!(young, height(&folder, &["shrub.toml", "--set", "age=0.5"]));
     assert!(young < height(&folder, &["a_grown.glb"]));
     folder.run(&["verify", "a_young.glb", "a_grown.glb"]).done();
+    // The one over them that of the age that is seen first; it does not sway, and says no time.
+    let recipe = |file: &str| folder.run(&["recipe", file]).done().out;
+    assert_eq!(recipe("a.usda"), recipe("a_grown.usda"));
+    let verified = folder.run(&["verify", "a.usda"]).done().out;
+    assert!(verified.starts_with("same tree") && verified.contains("ages"), "{verified}");
+    assert!(!String::from_utf8(folder.read("a.usda")).unwrap().contains("TimeCode"));
     // With levels and seasons besides.
     let args = ["--ages", "young,y=3y", "--lods", "2", "--seasons", "summer,bare", "-o", "b.obj"];
     let wrote = folder.run(&[&["export", "shrub.toml"], &args[..]].concat());
@@ -47,6 +53,23 @@ fn each_age_has_files_and_usd_one_over_them() {
     for name in ["b_young_summer_LOD0.obj", "b_young_bare_LOD1.obj", "b_y_summer_LOD1.obj"] {
         assert!(names.iter().any(|found| found == name), "{name} in {names:?}");
     }
+}
+
+#[test]
+fn a_file_over_ages_that_sway_says_how_long() {
+    let folder = folder();
+    let args = ["--ages", "--set", "leaf_form=none", "--wind=sway", "-o", "a.usda", "-o", "a.usdc"];
+    folder.run(&[&["export", "shrub.toml"], &args[..]].concat()).done();
+    let time = |file: &str| {
+        let text = String::from_utf8(folder.read(file)).unwrap();
+        let lines = text.lines().filter(|line| line.contains("TimeCode") || line.contains("framesPerSecond"));
+        lines.map(|line| line.trim().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(time("a.usda"), time("a_grown.usda"));
+    assert_eq!(time("a.usda").len(), 3, "{:?}", time("a.usda"));
+    let recipe = |file: &str| folder.run(&["recipe", file]).done().out;
+    assert_eq!(recipe("a.usdc"), recipe("a_grown.usdc"));
+    folder.run(&["verify", "a.usdc"]).done();
 }
 
 #[test]

@@ -70,6 +70,30 @@ fn size(png: &[u8]) -> (u32, u32) {
     (reader.info().width, reader.info().height)
 }
 
+/// What sways needs a time range in the file over it: programs play nothing without.
+#[test]
+fn an_assembly_of_trees_that_sway_says_how_long() {
+    let folder = Folder::new();
+    let manifest = |wind: &str| {
+        let sets = format!("set = {{ wind = \"{wind}\", points = 30, bark_size = 16 }}");
+        format!("formats = [\"usda\"]\n[[trees]]\nsource = \"simple\"\nseeds = \"1..2\"\n{sets}\n")
+    };
+    for (wind, is_said) in [("sway", true), ("attributes", false)] {
+        folder.write("m.toml", manifest(wind));
+        let said = folder.run(&["batch", "m.toml", "--out", wind]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        folder.run(&["batch", "m.toml", "--out", wind, "--merge", "--usd", "w.usda"]).done();
+        let whole = text(&folder, "w.usda");
+        let time = |text: &str| {
+            let lines = text.lines().filter(|line| line.contains("TimeCode"));
+            lines.map(|line| line.trim().to_owned()).collect::<Vec<_>>()
+        };
+        assert_eq!(!time(&whole).is_empty(), is_said, "{wind}: {whole}");
+        let of_tree = payloads(&whole).remove(0);
+        assert_eq!(time(&whole), time(&text(&folder, of_tree.trim_start_matches("./"))), "{wind}");
+    }
+}
+
 #[test]
 fn assemblies_name_the_files_of_all_trees() {
     let folder = grown();

@@ -16,7 +16,7 @@ use crate::outside::{exported, run};
 
 fn member(index: u64, file: String, scene: &Scene) -> Member {
     let bounds = Stage::of(scene).bounds().unwrap();
-    Member { index, source: format!("plant \"{index}\""), seed: u64::MAX - index, file, bounds }
+    Member { index, source: format!("plant \"{index}\""), seed: u64::MAX - index, file, bounds, wind: None }
 }
 
 fn place(member: usize, position: [f64; 3], turn_rad: f64, scale: f64) -> MemberPlace {
@@ -87,8 +87,8 @@ fn every_client_takes_assemblies() {
     // Ten thousand, of which two are there: what is not loaded is not looked for.
     let many = (0..10_000).map(|index| {
         let bounds = Bounds { min: Vec3::new(-1.0, 0.0, -1.0), max: Vec3::new(1.0, 5.0, 1.0) };
-        let none =
-            Member { index, source: "fir".into(), seed: index, file: format!("./no/{index}.usda"), bounds };
+        let file = format!("./no/{index}.usda");
+        let none = Member { index, source: "fir".into(), seed: index, file, bounds, wind: None };
         match index {
             5 => member(5, "./the plants/a.usda".to_owned(), &scenes[0]),
             9_998 => member(9_998, "./the plants/b.usdz".to_owned(), &scenes[1]),

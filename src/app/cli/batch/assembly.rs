@@ -5,7 +5,7 @@ use std::path::{Component, Path, PathBuf};
 use anyhow::Context;
 use linden::Vec3;
 use linden::scene::Bounds;
-use linden_exporters::{Assembly, Bundle, Member, ensure_spared};
+use linden_exporters::{Assembly, Bundle, Member, WindLoop, ensure_spared};
 
 use super::part::say_left_out;
 use super::rows::Row;
@@ -83,6 +83,9 @@ impl Assembled {
                     seed: row.seed,
                     file: format!("{way}{file}"),
                     bounds: Bounds { min: Vec3::from(min), max: Vec3::from(max) },
+                    wind: row
+                        .wind_loop
+                        .map(|[frames, rate]| WindLoop { frames, frames_per_second: rate.max(1) }),
                 }),
                 (Some(_), None) => unseen.push(row.index),
                 (None, _) => without.push(row.index),

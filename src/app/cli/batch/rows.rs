@@ -40,6 +40,9 @@ pub struct Row {
     /// The least and the largest corner of a box around the whole tree; none where nothing is seen of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bounds_m: Option<[[f32; 3]; 2]>,
+    /// The last frame of its loop of wind, and frames a second; none where it does not sway.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wind_loop: Option<[u32; 2]>,
     /// How long it took; in parts alone, since it differs from run to run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,

@@ -8,7 +8,7 @@ use linden::Monitor;
 use linden::dress::levels;
 use linden::grow::grow;
 use linden::monitor::Holding;
-use linden_exporters::{Batch, Bundle, Output};
+use linden_exporters::{Batch, Bundle, Output, WindLoop};
 
 use super::plan::{Plan, Tree};
 use super::rows::{PICTURES, Row, WrittenFile};
@@ -81,6 +81,7 @@ impl Work<'_> {
         let holding = Holding::new(share, tree.recipe.inputs.bytes());
         let stage = levels.stage();
         row.bounds_m = stage.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]);
+        row.wind_loop = WindLoop::of_stage(&stage).map(|wind| [wind.frames, wind.frames_per_second]);
         batch.write(&stage, &holding, |_| ())?;
         share.check()?;
         for file in batch.commit()? {

@@ -38,7 +38,9 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
         std::io::Seek::rewind(&mut file)?;
         let traces = exporter.traces(&mut file)?;
         if traces.seasons {
-            return Ok(Bytes::NotCompared("several seasons are in it: bytes not compared".to_owned()));
+            return Ok(Bytes::NotCompared(
+                "several seasons or ages are in it: bytes not compared".to_owned(),
+            ));
         }
         for options in &traces.options {
             let attempts = attempts(path, exporter, options, levels.levels.len());
