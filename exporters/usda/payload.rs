@@ -1,7 +1,7 @@
 //! A plant in two layers: its head, which is small and always read, and all within it, which is loaded when it is wanted.
 //!
 //! ```text
-//! oak.usda            /oak  component: name, box, levels and seasons that are chosen, the recipe; a payload:
+//! oak.usda            /oak  component: name, box, the names of levels and seasons, the recipe; a payload:
 //! oak_payload.usda    /oak  Geometry, Materials, the sets of variants
 //! ```
 //!
@@ -82,6 +82,7 @@ impl Split {
         let payload = format!("{}</{root}>", beside(&self.payload));
         head(writing, &root, &component).open_with(layer, self.identifier.as_deref(), Some(&payload))?;
         layer.lines(&format!("{TOLD_TRACE}{}", quoted(&self.told)))?;
+        component.name_variants(layer)?;
         layer.close()
     }
 

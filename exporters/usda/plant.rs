@@ -194,6 +194,40 @@ impl<'a> Component<'a> {
         variants
     }
 
+    /// The sets of variants with their names, and nothing in them: what is not loaded can be chosen from.
+    pub fn name_variants(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        let (levels, seasons) = (self.levels(), self.seasons());
+        if levels == 1 {
+            return if seasons > 1 { self.name_seasons(layer) } else { Ok(()) };
+        }
+        layer.lines("\n")?;
+        layer.open_inline("variantSet \"lod\" =")?;
+        for level in 0..levels {
+            self.open_level(layer, level)?;
+            if seasons > 1 {
+                self.name_seasons(layer)?;
+            }
+            layer.close()?;
+        }
+        layer.close()
+    }
+
+    fn name_seasons(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        layer.lines("\n")?;
+        layer.open_inline("variantSet \"season\" =")?;
+        for season in &self.writing.stage.plants[self.plant].seasons {
+            layer.open_inline(&format!("\"{}\"", season.name))?;
+            layer.close()?;
+        }
+        layer.close()
+    }
+
+    /// Begins the variant of a level, which has those of the seasons.
+    fn open_level(&self, layer: &mut Layer<'_, '_>, level: usize) -> Result<(), ExportError> {
+        let nested = if self.seasons() > 1 { " (\n    prepend variantSets = \"season\"\n)" } else { "" };
+        layer.open_inline(&format!("\"LOD{level}\"{nested}"))
+    }
+
     /// Everything within its prim.
     pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
         if self.writing.nanite.is_some() {
@@ -225,8 +259,7 @@ impl<'a> Component<'a> {
         if levels > 1 {
             layer.open_inline("variantSet \"lod\" =")?;
             for level in 0..levels {
-                let nested = if seasons > 1 { " (\n    prepend variantSets = \"season\"\n)" } else { "" };
-                layer.open_inline(&format!("\"LOD{level}\"{nested}"))?;
+                self.open_level(layer, level)?;
                 self.over_geometry(layer, &self.all_year(level).collect::<Vec<_>>())?;
                 if seasons > 1 {
                     self.of_seasons(layer, level)?;

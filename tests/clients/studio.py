@@ -95,6 +95,8 @@ def main():
             assert root.HasPayload() and not root.IsLoaded() and not root.GetChildren(), path
             assert UsdGeom.ModelAPI(root).GetExtentsHint() == hint, path
             assert path.stat().st_size < 40_000, (path, path.stat().st_size)
+            # What can be chosen is known before it is loaded.
+            assert root.GetVariantSets().GetVariantSet("lod").GetVariantNames() == levels, path
         print(path.name, proxy)
 
 
