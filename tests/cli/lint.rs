@@ -91,16 +91,8 @@ fn binary_usd_has_the_report_of_text() {
             let (file, layer) = (format!("{layer}.usdz"), format!("usdz.layer={layer}"));
             export(&[&["-o", &file, "--set", &layer], args].concat());
         }
-        let mut pairs = [("a.usda", "a.usdc"), ("text.usdz", "binary.usdz")];
-        // A layer whose model is in its payload has no triangles, text or binary.
-        if options.contains(&"payload=true") {
-            pairs[0] = ("a_payload.usda", "a_payload.usdc");
-            for file in ["a.usda", "a.usdc"] {
-                let said = folder.run(&["lint", file]);
-                assert!(said.code == Some(1) && said.err.contains("no triangles"), "{file}: {}", said.err);
-            }
-        }
-        for (text, binary) in pairs {
+        // A layer whose model is in its payload is looked at with it.
+        for (text, binary) in [("a.usda", "a.usdc"), ("text.usdz", "binary.usdz")] {
             let report = |file: &str| {
                 let (said, mut report) = lint(&folder, &["--set", "uv-overlap=warn", file]);
                 assert_eq!(said.code, Some(0), "{source} {args:?} {file}: {}{}", said.out, said.err);
@@ -115,6 +107,38 @@ fn binary_usd_has_the_report_of_text() {
             std::fs::remove_file(folder.file(&name)).unwrap();
         }
     }
+}
+
+/// A layer over others is what it shows: its own payload, or the last of several ages, with the variants that it chooses.
+#[test]
+fn a_layer_is_looked_at_with_its_payload() {
+    let folder = Folder::new();
+    let small = ["--triangles", "3000", "--lods", "2", "--set", "bark_size=16", "--set", "leaf_size=16"];
+    let seasons = ["--seasons", "bare,summer", "--set", "usda.payload=true", "--set", "usdc.payload=true"];
+    let age = ["--ages", "young=0.4,grown=0.5"];
+    // Seasons without blossom are noted.
+    let export = |args: &[&[&str]]| {
+        let said = folder.run(&[&["export", "rowan"], &small[..], &args.concat()].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+    };
+    export(&[&["-o", "a.usda", "-o", "a.usdc"], &seasons]);
+    export(&[&["-o", "whole.usda"], &seasons[..2]]);
+    export(&[&["-o", "b.usda"], &age, &seasons[2..4]]);
+    let numbers = |file: &str| lint(&folder, &[file]).1["files"][0]["numbers"].clone();
+    let whole = numbers("whole.usda");
+    assert!(whole["triangles"][0].as_u64() > Some(1000), "{whole}");
+    assert_eq!((numbers("a.usda"), numbers("a.usdc")), (whole.clone(), whole.clone()));
+    assert_eq!(numbers("b.usda"), numbers("b_grown.usda"));
+    // In a folder once.
+    let found = lint(&folder, &["."]).1;
+    let mut files: Vec<&str> =
+        found["files"].as_array().unwrap().iter().map(|file| file["file"].as_str().unwrap()).collect();
+    files.sort_unstable();
+    assert_eq!(files, ["./a.usda", "./a.usdc", "./b_grown.usda", "./b_young.usda", "./whole.usda"]);
+    assert!(found["passed_over"][0]["error"].as_str().unwrap().contains("./b_grown.usda"), "{found}");
+    std::fs::remove_file(folder.file("a_payload.usda")).unwrap();
+    let said = folder.run(&["lint", "a.usda"]);
+    assert!(said.err.contains("payload ./a_payload.usda, which is not there"), "{}", said.err);
 }
 
 /// Folders, files by their names, and what is not there, in one line.

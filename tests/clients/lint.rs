@@ -60,7 +60,7 @@ fn binary_usd_of_usd_core_has_the_report_of_the_text() {
     let names = ["levels", "instances", "payload", "payload_payload", "bones", "nanite", "types", "older"];
     for name in names {
         let expected = looked_at(&dir, &fs::read(dir.join(format!("{name}.usda"))).unwrap());
-        assert_eq!(expected.starts_with("Report"), name != "payload", "{name}: {expected:.200}");
+        assert!(expected.starts_with("Report"), "{name}: {expected:.200}");
         let mut binaries = 0;
         for entry in fs::read_dir(&*dir).unwrap() {
             let path = entry.unwrap().path();

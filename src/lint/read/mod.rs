@@ -47,9 +47,17 @@ pub enum ReadError {
         /// For people.
         problem: String,
     },
-    /// It is whole, and holds no mesh: points, a skeleton, a layer whose model is in another file.
+    /// It is whole, and holds no mesh: points, a skeleton.
     #[error("{0}: there are no triangles in it")]
     NoTriangles(&'static str),
+    /// A layer of USD that holds no mesh, and takes its model from files that were not read.
+    #[error("USD: there are no triangles in it, they are in its payload {file}, {why}")]
+    Elsewhere {
+        /// The file, as the layer names it; one of them, if there are several.
+        file: String,
+        /// Why it was not read, and what to do.
+        why: String,
+    },
     /// It would take too much memory.
     #[error(transparent)]
     Memory(#[from] OverMemory),

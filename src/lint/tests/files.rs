@@ -325,3 +325,32 @@ fn changed_bytes_are_never_a_panic() {
     }
     assert!(read_well > 300 && refused > 300, "{read_well} {refused}");
 }
+
+#[test]
+fn a_layer_over_others_is_its_payload() {
+    let shell = |head: &str, within: &str| {
+        format!("#usda 1.0\n(\n    metersPerUnit = 1\n)\ndef Xform \"oak\" (\n{head})\n{{\n{within}}}\n")
+    };
+    let mut files = no_files();
+    files.0.insert("./sub/a.usda", USDA.into());
+    files.0.insert("./sub/./b.usda", USDA.into());
+    let one = shell("    prepend payload = @./b.usda@\n", "");
+    files.0.insert("./sub/c.usda", one.into());
+    let look = |text: &str| read("a.usda", text.as_bytes(), &files, &Quiet);
+    let whole = read("a.usda", USDA.as_bytes(), &no_files(), &Quiet).unwrap();
+    // A payload of a payload is looked for in the folder of the file that names it.
+    for file in ["./sub/a.usda", "./sub/c.usda"] {
+        let asset = look(&shell(&format!("    prepend payload = @{file}@\n"), "")).unwrap();
+        assert_eq!(asset.meshes[0].triangles, whole.meshes[0].triangles, "{file}");
+        assert!(asset.unseen.iter().all(|unseen| !unseen.why.contains("payload")), "{:?}", asset.unseen);
+    }
+    let said = |head: &str, within: &str| look(&shell(head, within)).unwrap_err();
+    let none = said("    prepend payload = @./none.usda@\n", "");
+    assert!(matches!(none, ReadError::Elsewhere { .. }));
+    assert!(none.to_string().contains("its payload ./none.usda, which is not there"), "{none}");
+    let moved = "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n";
+    let moved = said("    prepend payload = @./sub/a.usda@\n", moved).to_string();
+    assert!(moved.contains("which it moves"), "{moved}");
+    let two = said("    prepend payload = [@./sub/a.usda@, @./sub/b.usda@]\n", "").to_string();
+    assert!(two.contains("and in others"), "{two}");
+}

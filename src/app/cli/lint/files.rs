@@ -67,17 +67,17 @@ pub fn find(paths: &[PathBuf], progress: &Progress) -> anyhow::Result<Found> {
 }
 
 impl Found {
+    /// Payloads are looked at with the file that has them.
     fn add_folder(&mut self, folder: &Path, files: Vec<PathBuf>) {
-        let ending = |path: &PathBuf| path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        let is_model = |path: &PathBuf| ending(path).is_some_and(|ending| ENDINGS.contains(&&*ending));
-        let models: Vec<PathBuf> = files.into_iter().filter(is_model).collect();
+        let models: Vec<PathBuf> = files.into_iter().filter(|path| is_model(path)).collect();
         if models.is_empty() {
             let endings = ENDINGS.map(|ending| format!(".{ending}")).join(", ");
             self.failed
                 .push((show(folder), format!("there is no model in the folder: no file ends in {endings}")));
         }
-        for file in models {
-            self.add(file, true);
+        let is_of_another = |file: &PathBuf| whole(file).is_some_and(|whole| models.contains(&whole));
+        for file in models.iter().filter(|file| !is_of_another(file)) {
+            self.add(file.clone(), true);
         }
     }
 
@@ -101,6 +101,22 @@ impl Found {
     }
 }
 
+/// The file that an export has beside the payload that it wrote: `oak.usda` of `oak_payload.usda`.
+fn whole(path: &Path) -> Option<PathBuf> {
+    let stem = path.file_stem()?.to_str()?.strip_suffix("_payload")?;
+    Some(path.with_file_name(format!("{stem}.{}", path.extension()?.to_str()?)))
+}
+
+fn is_payload(path: &Path) -> bool {
+    whole(path).is_some()
+}
+
+/// Whether a file is called like a model.
+fn is_model(path: &Path) -> bool {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| ENDINGS.contains(&&*ending))
+}
+
 /// The level in a file's name, and the folder and name without it.
 fn level(path: &Path) -> Option<(u32, (PathBuf, String))> {
     let name = path.file_name()?.to_str()?;
@@ -110,21 +126,26 @@ fn level(path: &Path) -> Option<(u32, (PathBuf, String))> {
     Some((number.parse().ok()?, (folder, format!("{family}.{ending}"))))
 }
 
-/// Reads a model, and what it names beside it.
-pub fn read(path: &Path, progress: &Progress) -> anyhow::Result<Asset> {
+/// Reads a model, and what it names beside it; of one that was found `by_the_way` no models beside it.
+pub fn read(path: &Path, by_the_way: bool, progress: &Progress) -> anyhow::Result<Asset> {
     let bytes = reading::open(path, progress)?.bytes(progress)?;
-    let beside = Neighbours { path, monitor: progress };
+    let beside = Neighbours { path, by_the_way, monitor: progress };
     Ok(linden_lint::read(&path.to_string_lossy(), &bytes, &beside, progress)?)
 }
 
 struct Neighbours<'a> {
     path: &'a Path,
+    by_the_way: bool,
     monitor: &'a dyn Monitor,
 }
 
 impl Beside for Neighbours<'_> {
     fn read(&self, name: &str) -> Result<Option<Vec<u8>>, String> {
         let name = name.replace('\\', "/");
+        // What a layer names lies in the same folders mostly, and would be looked at twice.
+        if self.by_the_way && is_model(Path::new(&name)) && !is_payload(Path::new(&name)) {
+            return Err("models in folders are looked at each by itself".to_owned());
+        }
         let allowed = trust::beside(Some(self.path), &name).map_err(|error| error.to_string())?;
         match reading::regular(&allowed, self.monitor) {
             Ok(bytes) => Ok(Some(bytes)),

@@ -105,7 +105,10 @@ impl Lint {
                 Ok(asset) => reports.push(lint(&asset, &config)),
                 Err(error) => {
                     linden::Monitor::check(&progress)?;
-                    let is_bare = matches!(error.downcast_ref(), Some(ReadError::NoTriangles(_)));
+                    let is_bare = matches!(
+                        error.downcast_ref(),
+                        Some(ReadError::NoTriangles(_) | ReadError::Elsewhere { .. })
+                    );
                     let list = if is_bare && model.is_by_the_way { &mut passed_over } else { &mut failed };
                     list.push(Failed { file: model.shown(), error: sentence(&error) });
                 }
@@ -177,7 +180,7 @@ impl Lint {
 fn read(model: &Model, progress: &Progress) -> anyhow::Result<Asset> {
     let mut levels = Vec::new();
     for (number, path) in &model.files {
-        let read = files::read(path, progress);
+        let read = files::read(path, model.is_by_the_way, progress);
         levels.push((*number, read.with_context(|| format!("reading {}", show(path)))?));
     }
     let mut assets = levels;

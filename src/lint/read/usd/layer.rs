@@ -1,7 +1,7 @@
 //! Prims and their values, as a layer has them.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use glam::{Affine3A, Mat4, Quat, Vec3};
 use openusd::sdf::{AbstractData, Data, Path, Value};
@@ -17,6 +17,8 @@ use crate::read::arrange::level_of;
 pub(super) struct Layer {
     data: Data,
     paths: Vec<Path>,
+    /// What a layer chooses that has this one as its payload, by the names of the sets.
+    pub chosen: BTreeMap<String, String>,
 }
 
 /// At which levels of detail a prim is.
@@ -51,7 +53,7 @@ impl Layer {
     /// Text or binary, they are the same.
     pub fn of(data: Data) -> Self {
         let paths = data.spec_paths();
-        Self { data, paths }
+        Self { data, paths, chosen: BTreeMap::new() }
     }
 
     /// Prims of a type, in the order of their paths.
@@ -65,6 +67,39 @@ impl Layer {
 
     pub fn has_any(&self, field: &str) -> bool {
         self.paths.iter().any(|path| self.data.has_field(path, field))
+    }
+
+    /// The files that the prims shown have as payloads, each once.
+    pub fn payloads(&self) -> BTreeSet<String> {
+        let is_shown = |path: &&Path| !matches!(self.level(path), Levels::Hidden);
+        let of = |path: &Path| match self.field(path, "payload").as_deref() {
+            Some(Value::Payload(payload)) => vec![payload.asset_path.clone()],
+            Some(Value::PayloadListOp(list)) => {
+                let lists =
+                    [&list.explicit_items, &list.prepended_items, &list.added_items, &list.appended_items];
+                lists.into_iter().flatten().map(|payload| payload.asset_path.clone()).collect()
+            }
+            _ => Vec::new(),
+        };
+        let files = self.paths.iter().filter(is_shown).flat_map(of);
+        files.filter(|file| !file.is_empty()).collect()
+    }
+
+    /// Whether something in it is moved, turned or scaled.
+    pub fn has_places(&self) -> bool {
+        self.paths.iter().any(|path| path.as_str().ends_with(".xformOpOrder"))
+    }
+
+    /// What it chooses of all sets of variants, and what was chosen for it.
+    pub fn selections(&self) -> BTreeMap<String, String> {
+        let mut chosen = BTreeMap::new();
+        for path in &self.paths {
+            if let Some(Value::VariantSelectionMap(map)) = self.field(path, "variantSelection").as_deref() {
+                chosen.extend(map.iter().map(|(set, variant)| (set.clone(), variant.clone())));
+            }
+        }
+        chosen.extend(self.chosen.clone());
+        chosen
     }
 
     fn field(&self, path: &Path, name: &str) -> Option<Cow<'_, Value>> {
@@ -145,6 +180,9 @@ impl Layer {
     }
 
     fn selection(&self, prim: &str, set: &str) -> Option<String> {
+        if let Some(chosen) = self.chosen.get(set) {
+            return Some(chosen.clone());
+        }
         // A set within a variant of another one is chosen there, or on the prim itself.
         let here = Path::new(prim).ok();
         let plain = here.as_ref().map(Path::strip_all_variant_selections);

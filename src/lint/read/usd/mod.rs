@@ -1,14 +1,15 @@
 //! USD: one layer of text or binary, by itself or as the first file of a package (`.usdz`).
 //!
 //! The crate openusd parses the text. Its reader of binary layers reserves what a file announces, so that a broken one
-//! could ask for all memory: [`binary`] reads them instead, into what text becomes. Layers are not composed: what a file
-//! refers to is noted as unseen.
+//! could ask for all memory: [`binary`] reads them instead, into what text becomes. Layers are not composed: of a layer
+//! without meshes the one payload that it shows is read in its place, what else a file refers to is noted as unseen.
 
 mod binary;
 mod layer;
 mod material;
 mod mesh;
 mod package;
+mod payload;
 
 use std::collections::BTreeMap;
 
@@ -30,21 +31,26 @@ pub(super) fn read(
 ) -> Result<(), ReadError> {
     let package = bytes.starts_with(b"PK").then(|| Package::read(bytes)).transpose()?;
     let layer = package.as_ref().map_or(Some(bytes), Package::first).unwrap_or_default();
-    let layer = if layer.starts_with(binary::MAGIC) {
-        Layer::of(binary::parse(layer, &mut Room::new(layer.len(), monitor))?)
-    } else {
-        Layer::parse(std::str::from_utf8(layer).map_err(|_| broken("its layer is no UTF-8 text"))?)?
-    };
+    let layer = parse(layer, monitor)?;
     match &package {
-        Some(package) => read_layer(asset, &layer, package),
-        None => read_layer(asset, &layer, beside),
+        Some(package) => payload::read(asset, layer, package, monitor),
+        None => payload::read(asset, layer, beside, monitor),
     }
+}
+
+/// A layer of text or binary.
+fn parse(layer: &[u8], monitor: &dyn Monitor) -> Result<Layer, ReadError> {
+    if layer.starts_with(binary::MAGIC) {
+        return Ok(Layer::of(binary::parse(layer, &mut Room::new(layer.len(), monitor))?));
+    }
+    Layer::parse(std::str::from_utf8(layer).map_err(|_| broken("its layer is no UTF-8 text"))?)
 }
 
 pub(super) fn broken(problem: impl AsRef<str>) -> ReadError {
     ReadError::broken("USD", problem)
 }
 
+/// Meshes and materials of one layer.
 fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(), ReadError> {
     let root = root(layer);
     let materials = material::read(asset, layer, beside);
@@ -75,6 +81,11 @@ fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(
         asset.meshes.push(read);
     }
     arrange(asset, drawn);
+    Ok(())
+}
+
+/// Notes what of a layer is not looked at.
+fn note_unseen(asset: &mut Asset, layer: &Layer) {
     for field in ["references", "payload", "inheritPaths", "subLayers"] {
         if layer.has_any(field) {
             asset.note(
@@ -89,7 +100,6 @@ fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(
             "parts of meshes with materials of their own (GeomSubset) are not told apart",
         );
     }
-    Ok(())
 }
 
 /// Metres and Y up.

@@ -49,7 +49,9 @@ const WANTED: &[&str] = &[
     "variantSelection",
 ];
 /// Fields of which it is enough that they are there.
-const NOTED: &[&str] = &["inheritPaths", "payload", "references", "subLayers"];
+const NOTED: &[&str] = &["inheritPaths", "references", "subLayers"];
+/// One that is looked at as far as it is of a type that is known.
+const PAYLOAD: &str = "payload";
 
 /// What a spec and a field take besides what is in them, and what a look at a field counts: roughly.
 const SPEC_BYTES: usize = 128;
@@ -105,6 +107,8 @@ pub(super) fn parse(bytes: &[u8], room: &mut Room<'_>) -> Result<Data, ReadError
 fn value(name: &str, rep: Rep, values: &Values<'_>, room: &mut Room<'_>) -> Result<Option<Value>, ReadError> {
     if WANTED.contains(&name) {
         values.read(rep, room)
+    } else if name == PAYLOAD {
+        Ok(Some(values.read(rep, room)?.unwrap_or(Value::None)))
     } else {
         Ok(NOTED.contains(&name).then_some(Value::None))
     }

@@ -6,7 +6,7 @@ use openusd::gf::{
     Matrix4d, Quatd, Quatf, Quath, Vec2d, Vec2f, Vec2h, Vec2i, Vec3d, Vec3f, Vec3h, Vec3i, Vec4d, Vec4f,
     Vec4h, Vec4i, f16,
 };
-use openusd::sdf::{AssetPath, ListOp, Path, Value};
+use openusd::sdf::{AssetPath, ListOp, Path, Payload, Value};
 
 use super::super::{ReadError, broken};
 use super::bytes::{Bytes, Room};
@@ -56,6 +56,9 @@ pub(super) struct Values<'a> {
 const ARRAY: &str = "an array";
 const VALUE: &str = "a value";
 const LIST: &str = "a list of paths";
+const PAYLOADS: &str = "a list of payloads";
+/// The version from which on payloads have an offset and a scale in time.
+const WITH_OFFSETS: u8 = 8;
 /// Shorter arrays are never compressed.
 const LEAST_COMPRESSED: usize = 16;
 /// A string or path besides its letters.
@@ -119,7 +122,9 @@ impl Values<'_> {
             40 => Value::PathVec(self.paths(&mut self.at(rep, LIST)?, room)?),
             41 => Value::TokenVec(self.tokens(&listed(&mut self.at(rep, VALUE)?, room)?, room)?),
             45 => self.selection(rep, room)?,
+            47 => Value::Payload(self.payload(&mut self.at(rep, PAYLOADS)?, room)?),
             51 => Value::ValueBlock,
+            55 => self.payload_list(rep, room)?,
             _ => return Ok(None),
         }))
     }
@@ -242,6 +247,39 @@ impl Values<'_> {
             deleted_items: items(8)?,
             ordered_items: items(16)?,
         }))
+    }
+
+    /// The same of payloads.
+    fn payload_list(&self, rep: Rep, room: &mut Room<'_>) -> Result<Value, ReadError> {
+        let mut bytes = self.at(rep, PAYLOADS)?;
+        let [bits] = bytes.numbers()?;
+        let mut items = |bit: u8| {
+            if bits & bit == 0 { Ok(Vec::new()) } else { self.payloads(&mut bytes, room) }
+        };
+        Ok(Value::PayloadListOp(ListOp {
+            explicit: bits & 1 != 0,
+            explicit_items: items(2)?,
+            added_items: items(4)?,
+            prepended_items: items(32)?,
+            appended_items: items(64)?,
+            deleted_items: items(8)?,
+            ordered_items: items(16)?,
+        }))
+    }
+
+    fn payloads(&self, bytes: &mut Bytes<'_>, room: &mut Room<'_>) -> Result<Vec<Payload>, ReadError> {
+        (0..bytes.count()?).map(|_| self.payload(bytes, room)).collect()
+    }
+
+    /// The file of a payload; the prim is taken to be the one that the file begins with.
+    fn payload(&self, bytes: &mut Bytes<'_>, room: &mut Room<'_>) -> Result<Payload, ReadError> {
+        let file = self.names.string(u32::from_le_bytes(bytes.numbers()?))?;
+        let _prim = bytes.numbers::<4>()?;
+        if self.minor >= WITH_OFFSETS {
+            let _in_time = bytes.numbers::<16>()?;
+        }
+        room.take(file.len() + NAME_BYTES, 1)?;
+        Ok(Payload { asset_path: file.to_owned(), ..Payload::default() })
     }
 
     /// Sets of variants, and which one of each is chosen.
