@@ -64,6 +64,28 @@ fn flags_of_other_commands_are_told_what_does_it_here() {
     refused_usage(&["export", "oak", "--season", "autumn"], &["'--set season=autumn'", "--seasons"]);
     refused_usage(&["preview", "oak", "--seasons"], &["'--set season=autumn'"]);
     refused_usage(&["preview", "oak", "--ages=5y"], &["'--age 10y'", "'linden sheet SOURCE --ages"]);
+    refused_usage(&["preview", "oak", "--sesons"], &["'--set season=autumn'"]);
+    refused_usage(&["batch", "m.toml", "--mkdir"], &["makes the folder of --out", "linden batch [OPTIONS]"]);
+    refused_usage(&["stats", "oak", "--mkdir"], &["--mkdir is a flag of", "'linden export'"]);
+    refused_usage(&["export", "oak", "--mkdr"], &["a similar argument exists: '--mkdir'"]);
+    refused_usage(&["export", "oak", "--trian", "5"], &["a similar argument exists: '--triangles'"]);
+}
+
+/// A flag is no source: what is passed as one behind `--` would not be found.
+#[test]
+fn no_flag_is_advised_to_be_a_source() {
+    let folder = Folder::new();
+    for command in
+        ["batch", "lint", "recipe", "export", "stats", "show", "verify", "cite", "sheet", "preview"]
+    {
+        let said = folder.run(&[command, "x", "--glorp"]);
+        assert_eq!(said.code, Some(2), "{command}: {}", said.err);
+        assert!(
+            said.err.contains("'--glorp'") && !said.err.contains("-- --glorp"),
+            "{command}: {}",
+            said.err
+        );
+    }
 }
 
 #[test]

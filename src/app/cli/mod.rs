@@ -15,6 +15,7 @@ mod crew;
 mod derivation;
 mod doctor;
 mod export;
+mod flags;
 mod forest;
 mod forest_page;
 mod impostor;
@@ -442,29 +443,34 @@ fn tell_what_takes_a_source(error: &mut clap::Error) {
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
 }
 
-/// What does what a flag of other commands, or of none, asks for.
-fn meant_by(flag: &str) -> Option<&'static [&'static str]> {
-    match flag {
-        "--season" | "--seasons" => Some(&[
-            "one season is a knob: '--set season=autumn'",
-            "a file for each: 'linden export SOURCE --seasons'",
-        ]),
-        "--ages" => {
-            Some(&["one age: '--age 10y'", "several on a picture: 'linden sheet SOURCE --ages -o ages.png'"])
-        }
-        _ => None,
-    }
-}
-
-/// Says what a flag that the command does not have is called here.
+/// Says what a flag that the command does not have is called here, or which commands have it.
 fn tell_what_is_meant(error: &mut clap::Error) {
-    use clap::error::{ContextKind, ContextValue};
+    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    if error.kind() != ErrorKind::UnknownArgument {
+        return;
+    }
     let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else { return };
-    let Some(tips) = meant_by(typed) else { return };
-    let tips = tips.iter().map(|tip| (*tip).into()).collect();
-    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
-    // What is spelt alike is among them, or means something else.
+    if !typed.starts_with("--") {
+        return;
+    }
+    let mut program = Cli::command();
+    program.build();
+    let command = std::env::args().skip(1).find(|word| program.find_subcommand(word).is_some());
+    let meant = flags::Meant::by(typed, command.as_deref(), &program);
+    // No flag is a source: the way to pass it as one is no advice. And what clap finds alike often begins alike only.
+    error.remove(ContextKind::Suggested);
     error.remove(ContextKind::SuggestedArg);
+    error.insert(ContextKind::Usage, ContextValue::StyledStr(flags::usage(&mut program, command.as_deref())));
+    match meant {
+        flags::Meant::Flag(flag) => {
+            error.insert(ContextKind::SuggestedArg, ContextValue::String(flag));
+        }
+        flags::Meant::Tips(tips) => {
+            let tips = tips.into_iter().map(Into::into).collect();
+            error.insert(ContextKind::Suggested, ContextValue::StyledStrs(tips));
+        }
+        flags::Meant::Nothing => {}
+    }
 }
 
 /// Parses the command line and does what it says.
