@@ -66,6 +66,37 @@ fn usd_has_variants_and_other_formats_a_file_for_each_season() {
     assert!(seasons.iter().all(|season| usda.contains(&format!("\"{season}\" {{"))), "four variants");
 }
 
+/// All seasons of what is the same in all are one file; those that are named have a file each, as scripts count on.
+#[test]
+fn what_no_season_changes_is_written_once() {
+    let folder = Folder::new();
+    let said = export(&folder, "dressed-simple", &["--seasons", "--set", "evergreen=true", "-o", "t.glb"]);
+    assert!(said.err.contains("written once"), "{}", said.err);
+    assert_eq!((said.code, main_files(&folder)), (Some(0), vec!["t.glb".to_owned()]));
+    let args = ["--seasons", "summer,bare", "--set", "evergreen=true", "-o", "u.glb"];
+    let said = export(&folder, "dressed-simple", &args);
+    assert!(said.err.contains("nothing on this plant changes with them\n"), "{}", said.err);
+    let names = ["t.glb", "u_bare.glb", "u_summer.glb"].map(str::to_owned);
+    assert_eq!((said.code, main_files(&folder)), (Some(0), names.to_vec()));
+}
+
+/// What is not loaded yet can be chosen from: the small layer names all variants.
+#[test]
+fn a_payload_is_chosen_before_it_is_loaded() {
+    let folder = Folder::new();
+    let names = |args: &[&str]| {
+        let payload = ["--seasons", "summer,bloom=0.17", "--set", "usda.payload=true", "-o", "t.usda"];
+        export(&folder, "dressed-simple", &[&payload[..], args].concat()).done();
+        let text = String::from_utf8(folder.read("t.usda")).unwrap();
+        let is_named = |line: &&str| line.starts_with('"') || line.starts_with("variantSet ");
+        text.lines().map(str::trim).filter(is_named).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let seasons = ["variantSet \"season\" = {", "\"summer\" {", "\"bloom\" {"];
+    assert_eq!(names(&[]), seasons);
+    let lod = [&["\"LOD0\" ("][..], &seasons, &["\"LOD1\" ("], &seasons].concat();
+    assert_eq!(names(&["--lods", "2"]), [&["variantSet \"lod\" = {"], &lod[..]].concat());
+}
+
 #[test]
 fn levels_come_behind_seasons_and_values_have_the_users_names() {
     let folder = Folder::new();

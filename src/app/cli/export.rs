@@ -53,8 +53,8 @@ pub struct Export {
     looks: super::Looks,
 
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
-    /// like spring=0.05; all is all named ones, as when none is given. USD holds them as variants, every other format
-    /// has a file for each
+    /// like spring=0.05; all is all named ones, as when none is given, and one file where nothing on the plant changes with
+    /// them. USD holds them as variants, every other format has a file for each
     #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", add = complete::seasons())]
     seasons: Option<String>,
 
@@ -135,6 +135,11 @@ impl Export {
         if self.timings && !ages.is_empty() {
             return Err(usage("--timings is for one age: turn it with --set age=0.5"));
         }
+        let seasons = self.distinct(
+            seasons,
+            std::iter::once(&source).chain(ages.iter().map(|(_, aged)| aged)),
+            &progress,
+        );
         let names: Vec<&str> = ages.iter().map(|(name, _)| name.as_str()).collect();
         let levels = source.recipe.preset.dressing.detail.levels();
         let files = Files { levels, seasons: &seasons, ages: &names };
@@ -166,6 +171,24 @@ impl Export {
             (false, 0) => list(&written),
             (false, _) => Ok(()),
         }
+    }
+
+    /// The seasons that are written: where all are asked for, and none differs on the plant at any of its ages, none,
+    /// which is one file. Those that are asked for by name are written at any rate: who names them counts on the files.
+    fn distinct<'s>(
+        &self,
+        seasons: Vec<Season>,
+        mut sources: impl Iterator<Item = &'s Source>,
+        progress: &Progress,
+    ) -> Vec<Season> {
+        let changes = |source: &Source| source.recipe.preset.dressing.foliage.changes_with_seasons();
+        if self.seasons.as_deref().map(str::trim) != Some("all") || sources.any(changes) {
+            return seasons;
+        }
+        let note = "seasons: nothing on this plant changes with them: it is written once, without a season's name; \
+                    --seasons flush,summer,autumn,bare writes each";
+        super::notes(&[note.to_owned()], progress);
+        Vec::new()
     }
 
     /// Each tree of an input that tells several apart, in files of its own.

@@ -133,8 +133,7 @@ pub fn year(
     let fullest = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
 
     let mut notes = Vec::new();
-    if specimen.dressing.foliage.kinds().all(|kind| !Calendar::of(kind).changes() || kind.form == Form::None)
-    {
+    if !specimen.dressing.foliage.changes_with_seasons() {
         notes.push("seasons: nothing on this plant changes with them".to_owned());
     }
     notes.extend(missed(&specimen.dressing.foliage, &seasons));

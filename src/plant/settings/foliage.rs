@@ -9,6 +9,7 @@ use linden_base::{file_key, words};
 
 use super::leaf::LEAF_KNOBS;
 use super::lod::LodForms;
+use crate::foliage::Calendar;
 use crate::texture::leaf::Outline;
 
 /// More kinds would make a picture each.
@@ -329,6 +330,11 @@ impl FoliageSettings {
     /// All kinds, the first one first.
     pub fn kinds(&self) -> impl Iterator<Item = &LeafKind> {
         std::iter::once(&self.first).chain(&self.also)
+    }
+
+    /// Whether something of it is another in another season.
+    pub fn changes_with_seasons(&self) -> bool {
+        self.kinds().any(|kind| kind.form != Form::None && Calendar::of(kind).changes())
     }
 
     /// What organs of a grammar and polygons are coloured with, sRGB: the i-th is that of the turtle's
