@@ -108,6 +108,8 @@ fn what_is_no_age_is_refused() {
         (&["stats", "shrub.toml", "--age", "yung"][..], "did you mean 'young'"),
         (&["stats", "shrub.toml", "--age", "all"], "expected one age"),
         (&["stats", "shrub.toml", "--age", "2"], "error: --age knob 'age': 2 is outside the range"),
+        (&["stats", "shrub.toml", "--age", "2"], "years are 2y"),
+        (&["stats", "simple", "--age", "3000"], "does not grow by years"),
         (&["stats", "shrub.toml", "--ages", "young", "--set", "years=4"], "leave one out"),
         (&["stats", "shrub.toml", "--ages", "young", "--age", "young"], "name all of them with --ages"),
         (&["stats", "simple", "--ages"], "names none"),

@@ -243,7 +243,33 @@ fn seasons_have_names_wherever_the_knob_is() {
     let said = fine(folder.run(&["show", "t.toml", "--toml"]));
     assert!(said.out.contains("season = 1.0"), "{}", said.out);
     let said = folder.run(&["show", "dressed-simple", "--set", "season=sumer"]);
-    assert!(said.err.contains("0 to 1, or flush | summer | autumn | bare"), "{}", said.err);
+    assert!(
+        said.err.contains("0 to 1, or flush | summer | autumn | bare (did you mean 'summer'?)"),
+        "{}",
+        said.err
+    );
+    let said = folder.run(&["show", "magnolia", "--set", "season=bloom"]);
+    assert!(said.err.contains("blossom is there from 0 to 0.13, as at 0.07"), "{}", said.err);
+    let said = folder.run(&["show", "magnolia", "--set", "leafs=2"]);
+    assert!(said.err.contains("alike are leaf_") && said.err.contains(" more)"), "{}", said.err);
+}
+
+/// From a heavy level to two planes is a jump that is seen.
+#[test]
+fn a_billboard_behind_a_heavy_level_is_told() {
+    let folder = Folder::new();
+    for (triangles, is_told) in [("6000", true), ("3000", false)] {
+        let args = ["--triangles", triangles, "--billboard", "--set", "bark_size=16", "-o", "t.glb"];
+        let said = fine(
+            folder.run(&[&["export", "dressed-simple", "--set", "billboard_size=64"], &args[..]].concat()),
+        );
+        assert_eq!(
+            said.err.contains("budgets make levels between, like --lods"),
+            is_told,
+            "{triangles}: {}",
+            said.err
+        );
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! `--age` and `--ages`: a source as a plant at one age, or at several.
 
 use linden::knob::printable;
-use linden::preset::{Age, AgeError};
+use linden::preset::{Age, AgeError, Preset};
 
 use crate::exit::usage;
 use crate::source::{Source, is_file_key};
@@ -49,6 +49,19 @@ pub fn ensure_one_age(flag: &str, turned: &[(String, String)]) -> anyhow::Result
     }
 }
 
+/// What is meant by a number that is too large for a share: an end for the message.
+fn or_years(preset: &Preset, list: &str) -> String {
+    let share = list.rsplit('=').next().unwrap_or_default();
+    let years = share.parse::<f64>().ok().filter(|years| *years > 1.0);
+    match years {
+        Some(years) if preset.find_knob("years").is_some() => {
+            format!("; it is a share of its growth: years are {years:.0}y")
+        }
+        Some(_) => "; it is a share of its growth, and this plant does not grow by years".to_owned(),
+        None => String::new(),
+    }
+}
+
 fn of_flag(
     source: &Source,
     flag: &str,
@@ -58,7 +71,9 @@ fn of_flag(
     ensure_one_age(flag, turned)?;
     let preset = &source.recipe.preset;
     let ages = preset.ages_of(list).map_err(|error| match error {
-        AgeError::Knob { name, problem } if name == UNNAMED => usage(format!("{flag} {problem}")),
+        AgeError::Knob { name, problem } if name == UNNAMED => {
+            usage(format!("{flag} {problem}{}", or_years(preset, list)))
+        }
         error => usage(format!("{flag}: {error}")),
     })?;
     let at = |age: &Age| {

@@ -68,7 +68,9 @@ pub fn levels(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) ->
     let plan = Plan::new(specimen.dressing, body, &mut notes, monitor)?;
     let dressing = plan.dressing(specimen.dressing);
     let wardrobe = Wardrobe::new(&specimen.with(&dressing), body.organs, monitor)?;
-    Ok(Levels { levels: plan.dress(specimen, body, &wardrobe, monitor)?, notes })
+    let levels = plan.dress(specimen, body, &wardrobe, monitor)?;
+    notes.extend(note_on_billboard(&specimen.dressing.detail, &levels));
+    Ok(Levels { levels, notes })
 }
 
 /// One tree through the year, in all levels that its preset asks for.
@@ -155,6 +157,7 @@ pub fn year(
         year.push((season, levels));
         wardrobe = Some(worn);
     }
+    notes.extend(year.first().and_then(|(_, levels)| note_on_billboard(&specimen.dressing.detail, levels)));
     Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
 }
 
@@ -176,6 +179,36 @@ fn missed(foliage: &FoliageSettings, seasons: &[Season]) -> Vec<String> {
         })
     };
     foliage.kinds().enumerate().filter_map(note).collect()
+}
+
+/// The most triangles that a level has before a billboard, without a word about it: what is a few pixels high
+/// looks alike in both.
+const MOST_BEFORE_BILLBOARD: usize = 5000;
+
+/// Says where there is nothing between a heavy level and the crossed planes behind it.
+fn note_on_billboard(detail: &DetailSettings, levels: &[Level]) -> Option<String> {
+    let triangles =
+        |level: &Level| -> usize { level.scene.parts.iter().map(|part| part.mesh.triangles.len()).sum() };
+    let [.., before, last] = levels else { return None };
+    let (before, last) = (triangles(before), triangles(last));
+    (detail.billboard > 0 && before > MOST_BEFORE_BILLBOARD).then(|| {
+        format!(
+            "billboard: it has {last} triangles and the level before it {before}; budgets make levels between, like \
+             --lods {},{},{}",
+            rounded(before),
+            rounded(before / 5),
+            rounded(before / 25)
+        )
+    })
+}
+
+/// To two digits.
+const fn rounded(number: usize) -> usize {
+    let mut unit = 1;
+    while number / unit >= 100 {
+        unit *= 10;
+    }
+    number / unit * unit
 }
 
 /// Side of the pictures of leaves that cards are drawn with, pixels, or a quarter of `leaf_size`: a leaf is far
