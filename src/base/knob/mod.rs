@@ -288,7 +288,10 @@ impl Kind {
             Self::Integer { min, max } if text.parse::<f64>().is_ok() => {
                 format!("{} is not a whole number from {min} to {max}", excerpt(text))
             }
-            _ => format!("'{}' is not {self}", excerpt(text)),
+            _ => {
+                let meant = nearest(&text.to_lowercase(), self.words());
+                format!("'{}' is not {self}{}", excerpt(text), did_you_mean(meant))
+            }
         })?;
         self.check(&value)?;
         Ok(value)
@@ -513,6 +516,16 @@ mod tests {
                 assert!(kind.parse("nonsense").unwrap_err().contains("nonsense"), "{kind:?}");
             }
         }
+    }
+
+    #[test]
+    fn a_word_that_is_nearly_one_is_named() {
+        let season =
+            Kind::Real { min: 0.0, max: 1.0, auto: false, names: &[("summer", 0.35), ("bare", 1.0)] };
+        let said = |kind: Kind, text: &str| kind.parse(text).unwrap_err();
+        assert_eq!(said(season, "Sumer"), "'Sumer' is not 0 to 1, or summer | bare (did you mean 'summer'?)");
+        assert_eq!(said(season, "leafs"), "'leafs' is not 0 to 1, or summer | bare");
+        assert!(said(Kind::Choice(&["card", "curved"]), "curvd").ends_with("(did you mean 'curved'?)"));
     }
 
     #[test]

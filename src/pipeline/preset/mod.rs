@@ -112,12 +112,19 @@ pub struct Preset {
 #[non_exhaustive]
 pub enum KnobError {
     /// No preset has such a knob.
-    #[error("there is no knob '{name}'{}; 'linden show' lists the {} of '{preset}'", Meant(.nearest.as_deref()), .known.len())]
+    #[error(
+        "there is no knob '{name}'{}{}; 'linden show' lists the {} of '{preset}'",
+        Meant(.nearest.as_deref()),
+        Alike(.alike),
+        .known.len()
+    )]
     Unknown {
         /// What was typed, printable.
         name: String,
         /// What may have been meant.
         nearest: Option<Box<Knob>>,
+        /// Where nothing is near: those that begin alike.
+        alike: Vec<&'static str>,
         /// Whose knobs were looked through.
         preset: String,
         /// All that it has.
@@ -155,6 +162,26 @@ pub enum KnobError {
     },
 }
 
+/// Knobs that begin as a name does, but for an `s` at its end: `leaf_length` for `leafs`.
+fn alike(name: &str, known: &[&'static str]) -> Vec<&'static str> {
+    const LEAST_LETTERS: usize = 3;
+    let name = name.to_lowercase();
+    let stem = name.strip_suffix('s').unwrap_or(&name);
+    let begins = |knob: &&'static str| stem.chars().count() >= LEAST_LETTERS && knob.starts_with(stem);
+    known.iter().copied().filter(begins).collect()
+}
+
+/// When a kind of foliage is there, if it is not all the year: its name, and a season that shows it.
+fn season_of(kind: &LeafKind) -> Option<String> {
+    let &[from, to] = kind.season_range.as_slice() else { return None };
+    let name = kind.name.as_deref()?;
+    if (from, to) == (0.0, 1.0) || kind.form == Form::None {
+        return None;
+    }
+    let middle = if to < from { (from + to + 1.0) / 2.0 % 1.0 } else { f64::midpoint(from, to) };
+    Some(format!("{name} is there from {from} to {to}, as at {middle:.2}"))
+}
+
 struct Meant<'a>(Option<&'a Knob>);
 
 impl fmt::Display for Meant<'_> {
@@ -162,6 +189,26 @@ impl fmt::Display for Meant<'_> {
         self.0.map_or(Ok(()), |knob| {
             write!(f, " (did you mean '{}'{}: {}?)", knob.name, InUnit(knob.unit), knob.kind)
         })
+    }
+}
+
+/// The first of some names, and how many more there are.
+struct Alike<'a>(&'a [&'static str]);
+
+/// How many names a message has room for.
+const MOST_ALIKE: usize = 6;
+
+impl fmt::Display for Alike<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() {
+            return Ok(());
+        }
+        let shown = &self.0[..self.0.len().min(MOST_ALIKE)];
+        write!(f, " (alike are {}", shown.join(", "))?;
+        match self.0.len() - shown.len() {
+            0 => f.write_str(")"),
+            more => write!(f, " and {more} more)"),
+        }
     }
 }
 
@@ -320,7 +367,8 @@ impl Preset {
         let nearest = nearest(name, known.iter().copied())
             .and_then(|nearest| self.find_row(|_, knob| knob.name == nearest))
             .map(|row| Box::new(row.knob));
-        KnobError::Unknown { name: printable(name), nearest, preset, known }
+        let alike = if nearest.is_none() { alike(name, &known) } else { Vec::new() };
+        KnobError::Unknown { name: printable(name), nearest, alike, preset, known }
     }
 
     /// What the generator advises where `text` is no value of its knob: an end for the message.
@@ -328,7 +376,19 @@ impl Preset {
         let generator = self.generator.generator();
         let is_its = knob.section == Section::Generator(generator.id());
         let hint = is_its.then(|| generator.value_hint(knob.knob.name, text, asked)).flatten();
+        let hint = hint.map(str::to_owned).or_else(|| self.season_hint(&knob.knob, text));
         hint.map_or_else(String::new, |hint| format!("; {hint}"))
+    }
+
+    /// When the kinds of foliage are there that have a time of their own: for words like `bloom`.
+    fn season_hint(&self, knob: &Knob, text: &str) -> Option<String> {
+        let is_near = nearest(&text.trim().to_lowercase(), knob.kind.words()).is_some();
+        if knob.name != "season" || is_near || text.trim().parse::<f64>().is_ok() {
+            return None;
+        }
+        let foliage = &self.dressing.foliage;
+        let times: Vec<String> = foliage.kinds().filter_map(season_of).collect();
+        (!times.is_empty()).then(|| format!("on '{}' {}", printable(&self.id), times.join(", ")))
     }
 
     /// The trees that its input tells apart, where a knob picks one of them and is not turned.
