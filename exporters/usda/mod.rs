@@ -9,7 +9,7 @@
 //! ```
 //!
 //! With `payload`, that is a small layer with the plant's head, and a file beside it with everything within: see
-//! [`payload`]. With `proxy`, the coarsest level stands beside the others for viewports.
+//! [`payload`]. With `proxy`, the coarsest level stands beside the others for viewports, thinned: see [`proxy`].
 //!
 //! With `instances`, foliage is a `PointInstancer` per part, which holds its prototypes.
 //!
@@ -38,6 +38,7 @@ pub(crate) mod package;
 mod payload;
 pub(crate) mod payloads;
 mod plant;
+mod proxy;
 mod skeleton;
 mod syntax;
 mod wind;
@@ -106,7 +107,7 @@ fn levels_by(options: &Options) -> LooksIn {
 const PROXY: OptionSpec = OptionSpec::switch(
     "proxy",
     false,
-    "the coarsest level a second time for viewports (purpose proxy), all else of purpose render",
+    "the coarsest level, thinned to 5000 triangles, for viewports (purpose proxy), all else of purpose render",
 );
 
 const PAYLOAD: OptionSpec = OptionSpec::switch(
@@ -191,7 +192,7 @@ static PACKAGE: Format = Format {
 struct Said {
     /// What they are, for those who learn from pictures.
     labels: bool,
-    /// The coarsest level for viewports.
+    /// A thinned level for viewports.
     proxy: bool,
 }
 

@@ -13,7 +13,7 @@ use super::layer::Layer;
 use super::mesh::MeshPrim;
 use super::nanite::Nanite;
 use super::syntax::{Names, quoted, tuple};
-use super::{Writing, bones, collision, instancer, material, mesh, nanite, skeleton, wind};
+use super::{Writing, bones, collision, instancer, material, mesh, nanite, proxy, skeleton, wind};
 use crate::writing::distinct::{MeshPart, PlantModel};
 use crate::{ExportError, GENERATOR};
 
@@ -312,12 +312,16 @@ impl<'a> Component<'a> {
         layer.close()
     }
 
-    /// What viewports draw: a level as it is in the first season. It stands still.
+    /// What viewports draw: a level as it is in the first season, thinned. It stands still.
     fn proxy(&self, layer: &mut Layer<'_, '_>, level: usize) -> Result<(), ExportError> {
         layer.open(PROXY_TRACE)?;
         layer.lines("uniform token purpose = \"proxy\"\n\n")?;
         let below = Below { path: format!("{}/{PROXY}", self.path), is_still: true };
-        let pieces: Vec<&MeshPart<'_>> = self.model(0, level).parts.iter().collect();
+        let parts = &self.model(0, level).parts;
+        let is_leaf =
+            |piece: &MeshPart<'_>| self.writing.distinct.materials[piece.material].material.is_sheet();
+        let thinned = proxy::thinned(parts, is_leaf);
+        let pieces: Vec<&MeshPart<'_>> = thinned.as_ref().unwrap_or(parts).iter().collect();
         self.parts(layer, &pieces, &below, &mut Names::default())?;
         layer.close()?;
         layer.lines("\n")

@@ -73,7 +73,8 @@ def main():
             assert UsdGeom.Imageable(geometry).ComputeProxyPrim()[0] == root.GetChild("Proxy"), path
             assert triangles(stage, ["default"]) == 0, path
             sets.GetVariantSet("lod").SetVariantSelection(levels[-1])
-            assert triangles(stage, ["render"]) == proxy, path
+            last = triangles(stage, ["render"])
+            assert proxy == last if last <= 5000 else 2000 < proxy < last, (path, proxy, last)
             sets.GetVariantSet("lod").SetVariantSelection(levels[0])
             assert triangles(stage, ["render"]) > proxy, path
         if name == "payload":
