@@ -389,7 +389,7 @@ impl WrittenAge {
 }
 
 /// The box of all levels and seasons.
-fn whole_bounds(stage: &Stage<'_>) -> Option<Bounds> {
+pub(crate) fn whole_bounds(stage: &Stage<'_>) -> Option<Bounds> {
     let of_season = |season: usize| {
         let stage = stage.in_season(season);
         (0..stage.levels().max(1)).filter_map(|level| stage.at_level(level).bounds()).reduce(Bounds::union)

@@ -22,6 +22,7 @@ use super::plant::{Component, Head, Variants};
 use super::syntax::{Names, beside, identifier, quoted, tuple};
 use super::{Writing, instancer, material, mesh};
 use crate::ExportError;
+use crate::batch::whole_bounds;
 use crate::writing::distinct::MeshPart;
 
 /// Lux by unit of intensity. USD leaves the unit to the renderer's exposure: with this one, hazy sunshine
@@ -46,7 +47,8 @@ pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str
         kind: "assembly",
         nanite: None,
         variants,
-        bounds: None,
+        // Without the ground, which reaches to the horizon: who frames all wants to see the plants.
+        bounds: whole_bounds(stage),
         is_labelled: false,
         foot_in_file: crate::recipe::foot_in_file(stage),
     }

@@ -512,3 +512,18 @@ fn files_of_a_forest_are_called_by_its_id() {
         assert!(said.code == Some(0) && said.out.contains(expected), "{}{}", said.out, said.err);
     }
 }
+
+/// What frames all of a scene wants to see its trees: the ground reaches to the horizon.
+#[test]
+fn the_box_of_a_scene_is_that_of_its_plants() {
+    let folder = Folder::new();
+    let args = ["dressed-simple", "--trees", "3", "--area", "20", "--scene", "-o", "f.usda"];
+    folder.run(&[&["forest"], &args[..], &SMALL].concat()).done();
+    let text = String::from_utf8(folder.read("f.usda")).unwrap();
+    let (_, hint) = text.split_once("float3[] extentsHint = [").unwrap();
+    let (hint, _) = hint.split_once(']').unwrap();
+    let numbers: Vec<f64> =
+        hint.split(|c: char| "(), ".contains(c)).filter_map(|number| number.parse().ok()).collect();
+    assert_eq!(numbers.len(), 6, "{hint}");
+    assert!(numbers.iter().all(|metres| metres.abs() < 30.0) && numbers[4] > 2.0, "{hint}");
+}
