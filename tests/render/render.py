@@ -2,11 +2,12 @@
 """Renders an exported file with Blender's Cycles, to see what Blender makes of it:
 
     python tests/render/render.py FILE OUT.png [--size 640] [--samples 32] [--view front|side|top|detail|own]
-                                  [--translucent [SHARE]]
+                                  [--translucent [SHARE] | --documented]
 
 Runs in a Python with Blender as a module (pip install bpy==5.0.1, Python 3.11): `bpy` is large and
 no test needs it. Reads .glb .gltf .obj .ply .usda .usd, frames what it finds, adds sun and sky.
-`--translucent` lets light through what is cut out: no importer of Blender 5.0 reads that.
+`--translucent` lets light through what is cut out: no importer of Blender 5.0 reads that. `--documented` does it by the
+script in docs/formats.md, twice, and wants it to find leaves.
 `--view own` adds nothing: it shows a file that has its own camera and light (`linden export --scene`).
 """
 
@@ -51,6 +52,19 @@ def show_vertex_colors(meshes):
         color.layer_name = mesh.color_attributes[0].name
         nodes.links.new(color.outputs["Color"], nodes.nodes["Principled BSDF"].inputs["Base Color"])
         mesh.materials.append(material)
+
+
+def run_documented():
+    text = (Path(__file__).parents[2] / "docs/formats.md").read_text()
+    script = text.split("### Blender", 1)[1].split("```python\n", 1)[1].split("```", 1)[0]
+    for _ in range(2):
+        exec(script, {})
+    for material in bpy.data.materials:
+        kinds = [node.type for node in material.node_tree.nodes] if material.node_tree else []
+        print(f"{material.name}: {kinds.count('BSDF_TRANSLUCENT')} translucent")
+        assert kinds.count("BSDF_TRANSLUCENT") <= 1, f"{material.name}: once for each run"
+    kinds = [node.type for material in bpy.data.materials if material.node_tree for node in material.node_tree.nodes]
+    assert "BSDF_TRANSLUCENT" in kinds, "no leaves were found"
 
 
 def let_light_through(share, tint=(0.95, 1.0, 0.5)):
@@ -148,10 +162,13 @@ def main():
     parser.add_argument("--size", type=int, default=640)
     parser.add_argument("--samples", type=int, default=32)
     parser.add_argument("--view", choices=["front", "side", "top", "detail", "own"], default="front")
+    parser.add_argument("--documented", action="store_true")
     parser.add_argument("--translucent", type=float, nargs="?", const=0.45, default=0.0, metavar="SHARE")
     arguments = parser.parse_args()
     meshes = load(arguments.file.resolve())
     show_vertex_colors(meshes)
+    if arguments.documented:
+        run_documented()
     if arguments.translucent:
         let_light_through(arguments.translucent)
     if arguments.view == "own":

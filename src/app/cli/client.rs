@@ -17,6 +17,8 @@ struct ShownProfile {
     levels: &'static str,
     colliders: &'static str,
     wind: &'static str,
+    #[serde(skip_serializing_if = "str::is_empty")]
+    leaves: &'static str,
     axis: &'static str,
 }
 
@@ -48,6 +50,7 @@ pub fn show(id: &str, json: bool) -> anyhow::Result<()> {
         levels: profile.levels,
         colliders: profile.colliders,
         wind: profile.wind,
+        leaves: profile.leaves,
         axis: profile.axis,
     };
     if json { super::print_json(&shown) } else { super::print(&shown.page()) }
@@ -62,7 +65,11 @@ impl ShownProfile {
             ("levels", self.levels.to_owned()),
             ("shapes for physics", self.colliders.to_owned()),
             ("wind", self.wind.to_owned()),
+            ("light in leaves", self.leaves.to_owned()),
         ] {
+            if said.is_empty() {
+                continue;
+            }
             text.push_str(&format!("  {what:20}{said}\n"));
         }
         text.push_str(&format!("\n--for {} sets\n", self.id));
