@@ -124,7 +124,7 @@ pub enum KnobError {
         /// What may have been meant.
         nearest: Option<Box<Knob>>,
         /// Where nothing is near: those that begin alike.
-        alike: Vec<&'static str>,
+        alike: Box<[&'static str]>,
         /// Whose knobs were looked through.
         preset: String,
         /// All that it has.
@@ -368,7 +368,7 @@ impl Preset {
             .and_then(|nearest| self.find_row(|_, knob| knob.name == nearest))
             .map(|row| Box::new(row.knob));
         let alike = if nearest.is_none() { alike(name, &known) } else { Vec::new() };
-        KnobError::Unknown { name: printable(name), nearest, alike, preset, known }
+        KnobError::Unknown { name: printable(name), nearest, alike: alike.into(), preset, known }
     }
 
     /// What the generator advises where `text` is no value of its knob: an end for the message.
