@@ -207,12 +207,17 @@ def leaves(scene, report, found):
         normals.append(normal / np.maximum(double, 1e-30)[:, None])
         middles.append((a + b + c) / 3)
     area, normal, middle = np.concatenate(areas), np.vstack(normals), np.vstack(middles)
-    total = area.sum()
+    all_area, total = area, area.sum()
     found["leaf_area_m2"] = total
     # Numbers of leaf area count each leaf once, on however many sheets it is drawn. The test names these.
     sheets = report["_sheets"]
     assert set(report["sheets_by_kind"]) == {sheets}, report["sheets_by_kind"]
     found["leaf_area_once_m2"] = total / sheets
+    if report["_first_is_blade"]:
+        # Each leaf is its sheets, two triangles each.
+        is_blade = np.arange(len(area)) // 2 % sheets == 0
+        area, normal = area[is_blade], normal[is_blade]
+        total = area.sum()
     upright = np.abs(normal[:, 1])
     inclination = np.degrees(np.arccos(np.clip(upright, 0, 1)))
     found["leaf_inclination_mean_deg"] = (inclination * area).sum() / total
@@ -225,7 +230,7 @@ def leaves(scene, report, found):
         g.append((seen.mean(axis=1) * area).sum() / total)
     found["g_function"] = g
     floor, layer = report["_floor_m"], report["leaf_layer_m"]
-    by_layer = np.bincount(np.clip(((middle[:, 1] - floor) / layer).astype(int), 0, 9), weights=area, minlength=10)
+    by_layer = np.bincount(np.clip(((middle[:, 1] - floor) / layer).astype(int), 0, 9), weights=all_area, minlength=10)
     # One triangle on a border may fall either way: the sums of pairs are compared.
     found["_layers"] = by_layer / sheets
     return points

@@ -32,8 +32,9 @@ const PLANTS: [Plant; 12] = [
             ("flare_ridges", "5"),
             ("surface_roots", "0"),
             ("stubs", "0"),
-            // It cuts the wood into parts, which are measured whole.
+            // They cut the wood into parts, which are measured whole.
             ("moss", "0"),
+            ("twig_radius", "0"),
         ],
     ),
     ("dressed-honda-a", 2, &[]),
@@ -46,7 +47,7 @@ const PLANTS: [Plant; 12] = [
     ),
     ("cypress", 2, &[("leaf_form", "twig"), ("leaves_per_m", "3")]),
     ("sphere", 1, &[("leaf_form", "curved"), ("leaves_per_m", "10"), ("leaf_outline", "palmate")]),
-    ("date-palm", 1, &[]),
+    ("date-palm", 1, &[("twig_radius", "0")]),
     ("male-fern", 1, &[]),
 ];
 
@@ -71,6 +72,8 @@ fn reports_are_what_the_files_hold() {
         assert_eq!(serde_json::from_str::<Report>(&json).unwrap(), report, "{id}");
         let mut told: serde_json::Value = serde_json::from_str(&json).unwrap();
         told["_sheets"] = sheets.into();
+        // The sheets of a tuft that cross the first are turned by how it is drawn, and are no blades.
+        told["_first_is_blade"] = settings.contains(&("leaf_form", "tuft")).into();
         fs::write(folder.join("report.json"), told.to_string()).unwrap();
     }
     run("measured.py", &dir);

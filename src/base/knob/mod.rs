@@ -533,7 +533,10 @@ mod tests {
         let kind = Kind::Real { min: 0.0, max: 1.0, auto: false, names: &[("low", 0.25), ("high", 0.75)] };
         assert_eq!(kind.parse("high"), Ok(Value::Real(0.75)));
         assert_eq!(kind.parse(" 0.5 "), Ok(Value::Real(0.5)));
-        assert_eq!(kind.parse("hihg").unwrap_err(), "'hihg' is not 0 to 1, or low | high");
+        assert_eq!(
+            kind.parse("hihg").unwrap_err(),
+            "'hihg' is not 0 to 1, or low | high (did you mean 'high'?)"
+        );
         assert_eq!(kind.words(), ["low", "high"]);
     }
 

@@ -189,7 +189,7 @@ fn faults_name_the_declaration_and_its_line() {
         ("limb 10..80 degrees-of-arc: an angle", "12 characters"),
         ("limb 10..80: \u{200b}", "cannot be seen"),
         ("limp 10..80: an angle", "did you mean 'limb'?"),
-        ("half 0..1: a length", "half = 0 is out of range"),
+        ("half -1..1: a length", "half = -1 is out of range"),
         ("half 0.1..1: a length", "follows from other constants"),
         ("limb 50..80: an angle", "outside of its range 50 to 80"),
         (long, "'long' is the name of another knob"),

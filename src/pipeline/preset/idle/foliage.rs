@@ -43,7 +43,8 @@ pub(super) static RULES: &[Rule] = &[
             "leaf_quality",
             "leaf_stem",
         ],
-        why: |preset| when(preset.lacks_form(), "leaf_form is none"),
+        // Of Weber and Penn's trees alone, whose leaves need a form.
+        why: |preset| when(preset.dressing.foliage.first.form == Form::None, "leaf_form is none"),
     },
     Rule { knobs: PLACES, why: |preset| when(!preset.has_first_places(), "leaf_form is none") },
     Rule {
