@@ -319,7 +319,7 @@ impl Round {
                 .zip(along_m)
                 .filter_map(|(&node, along_m)| Some(Ring { node, along_m, circle: self.believed(node)? }))
                 .collect();
-            for (Ring { node, circle, .. }, radius_m) in profile::of(believed) {
+            for (Ring { node, circle, .. }, radius_m) in profile::of(&believed) {
                 seen[node as usize] = Some(radius_m);
                 fits[node as usize] = RadiusFit {
                     source: RadiusSource::Measured,

@@ -30,7 +30,7 @@ pub(crate) struct Ring {
 }
 
 /// The circles of an axis, from its start on, that go along with each other, and the radius at each, metres.
-pub(crate) fn of(rings: Vec<Ring>) -> impl Iterator<Item = (Ring, f64)> {
+pub(crate) fn of(rings: &[Ring]) -> impl Iterator<Item = (Ring, f64)> + use<> {
     let rings = consistent(rings);
     let radii_m: Vec<f64> = (0..rings.len()).map(|i| on_line(&rings, i)).collect();
     let shrunk = shrinking(rings.iter().zip(radii_m).map(|(ring, radius_m)| (radius_m, ring.circle.se_m)));
@@ -38,7 +38,7 @@ pub(crate) fn of(rings: Vec<Ring>) -> impl Iterator<Item = (Ring, f64)> {
 }
 
 /// The longest row of circles in which none is thicker than the one before it.
-fn consistent(rings: Vec<Ring>) -> Vec<Ring> {
+fn consistent(rings: &[Ring]) -> Vec<Ring> {
     // For each the longest row that ends in it, and the one before it there.
     let mut rows: Vec<(usize, Option<usize>)> = Vec::with_capacity(rings.len());
     let radius_m = |i: usize| rings[i].circle.radius_m;
@@ -122,27 +122,27 @@ mod tests {
     #[test]
     fn circles_of_buttresses_do_not_draw_the_bole_to_them() {
         let bole: Vec<f64> = (0..20).map(|i| 0.4 - 0.01 * f64::from(i)).collect();
-        let found: Vec<(Ring, f64)> = of(rings(&[&[0.19, 0.2, 0.12], &bole[..]].concat())).collect();
+        let found: Vec<(Ring, f64)> = of(&rings(&[&[0.19, 0.2, 0.12], &bole[..]].concat())).collect();
         assert_eq!(found.iter().map(|(ring, _)| ring.node).collect::<Vec<_>>(), (3..23).collect::<Vec<_>>());
         for ((_, found), expected) in found.iter().zip(&bole) {
             assert!((found - expected).abs() < 1e-9, "{found} {expected}");
         }
         // A clump of leaves further out is left out as well.
         let kept: Vec<u32> =
-            of(rings(&[0.4, 0.39, 0.38, 0.7, 0.8, 0.37, 0.36])).map(|(ring, _)| ring.node).collect();
+            of(&rings(&[0.4, 0.39, 0.38, 0.7, 0.8, 0.37, 0.36])).map(|(ring, _)| ring.node).collect();
         assert_eq!(kept, [0, 1, 2, 5, 6]);
-        assert_eq!(of(Vec::new()).count(), 0);
+        assert_eq!(of(&[]).count(), 0);
     }
 
     #[test]
     fn one_that_is_off_the_line_is_put_on_it_and_a_flare_keeps_its_shape() {
         let given = [0.2, 0.19, 0.18, 0.186, 0.16, 0.15, 0.14];
-        let found: Vec<f64> = of(rings(&given)).map(|(_, radius_m)| radius_m).collect();
+        let found: Vec<f64> = of(&rings(&given)).map(|(_, radius_m)| radius_m).collect();
         for (i, found) in (0..7).zip(found) {
             assert!((found - (0.2 - 0.01 * f64::from(i))).abs() < 1e-9, "{i}: {found}");
         }
         let flare = [0.47, 0.43, 0.407, 0.396, 0.389, 0.383, 0.381];
-        let found: Vec<f64> = of(rings(&flare)).map(|(_, radius_m)| radius_m).collect();
+        let found: Vec<f64> = of(&rings(&flare)).map(|(_, radius_m)| radius_m).collect();
         assert_eq!(found[2..], flare[2..]);
     }
 }
