@@ -80,8 +80,8 @@ fn picture_bytes(look: &BarkSettings) -> u64 {
         BarkStyle::Plated => (1.10, 1.80, 0.035),
         BarkStyle::Birch => (0.90, 1.2, 0.008),
         BarkStyle::Peeling => (0.85, 0.43, 0.012),
-        BarkStyle::Ribbon => (0.90, 0.80, 0.008),
-        BarkStyle::Culm => (0.66, 0.40, 0.002),
+        BarkStyle::Ribbon => (0.61, 0.60, 0.008),
+        BarkStyle::Culm => (0.37, 0.16, 0.002),
         BarkStyle::Palm => (1.10, 1.80, 0.055),
     };
     let side = f64::from(look.size_px.max(1));

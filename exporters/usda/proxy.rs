@@ -11,6 +11,7 @@ use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::Mesh;
 
 use crate::writing::distinct::{MeshCopies, MeshPart};
+use crate::writing::lightmap::components;
 
 /// The triangles of a proxy, roughly: wood that hangs together as one piece stays whole.
 pub(super) const MOST_TRIANGLES: usize = 5000;
@@ -106,18 +107,11 @@ fn fewer_copies<'a>(piece: &'a MeshPart<'a>, copies: &MeshCopies<'a>, share: f64
 
 /// Triangles that hang together by their vertices, in the order of their first ones.
 fn islands(mesh: &Mesh) -> Vec<Vec<usize>> {
-    let mut above: Vec<u32> = (0..mesh.positions.len() as u32).collect();
-    for &[a, b, c] in &mesh.triangles {
-        let root = find(&mut above, a);
-        for vertex in [b, c] {
-            let other = find(&mut above, vertex);
-            above[other as usize] = root;
-        }
-    }
-    let mut numbers = vec![usize::MAX; mesh.positions.len()];
+    let (of_vertices, count) = components(mesh);
+    let mut numbers = vec![usize::MAX; count];
     let mut islands: Vec<Vec<usize>> = Vec::new();
     for (index, &[first, ..]) in mesh.triangles.iter().enumerate() {
-        let number = &mut numbers[find(&mut above, first) as usize];
+        let number = &mut numbers[of_vertices[first as usize] as usize];
         if *number == usize::MAX {
             *number = islands.len();
             islands.push(Vec::new());
@@ -127,18 +121,7 @@ fn islands(mesh: &Mesh) -> Vec<Vec<usize>> {
     islands
 }
 
-/// The vertex that stands for all that hang together with one.
-fn find(above: &mut [u32], vertex: u32) -> u32 {
-    let mut at = vertex;
-    while above[at as usize] != at {
-        // Halves the way for the next search.
-        above[at as usize] = above[above[at as usize] as usize];
-        at = above[at as usize];
-    }
-    at
-}
-
-/// The diagonal of the box around some triangles.
+/// The square of the diagonal of the box around some triangles.
 fn extent(mesh: &Mesh, triangles: &[usize]) -> f32 {
     let points = || corners(mesh, triangles);
     let (least, most) = points().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(least, most), point| {

@@ -235,7 +235,7 @@ impl Sums {
 
 /// By vertex, the number of the component that triangles join it to, and how many there are. Numbers follow the
 /// first vertices.
-fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
+pub(crate) fn components(mesh: &Mesh) -> (Vec<u32>, usize) {
     let mut parents: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let root = |parents: &mut Vec<u32>, mut at: u32| {
         while parents[at as usize] != at {

@@ -183,7 +183,7 @@ mod tests {
     use linden_base::random::Key;
 
     use super::ends_of_row;
-    use crate::{Branching, Edge, NO_PARENT, Skeleton, Wood};
+    use crate::{Branching, Edge, NO_PARENT, RadiusFit, Skeleton, Wood};
 
     #[test]
     fn a_trunk_is_measured_beyond_the_end_of_its_axis() {
@@ -199,6 +199,26 @@ mod tests {
         let measures = skeleton.measures();
         assert_eq!(measures.trunk_diameter_at_m, 1.3);
         assert!((measures.trunk_diameter_m - 0.34).abs() < 1e-6, "{measures:?}");
+    }
+
+    /// A stem that goes aside and back below 1 m, and loses a centimetre of radius every metre above.
+    #[test]
+    fn breast_height_is_along_a_stem_and_straight_up_a_scanned_one() {
+        let places = [[0.0, 0.0], [0.3, 0.4], [0.0, 0.8], [0.0, 1.8], [0.0, 2.8]];
+        let branching = Branching {
+            positions: places.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec(),
+            parents: vec![NO_PARENT, 0, 1, 2, 3],
+            births: vec![0; 5],
+            radii: Some(vec![0.2, 0.2, 0.2, 0.19, 0.18]),
+            edges: None,
+        };
+        let mut skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
+        // A metre along the stem is 0.8 m up.
+        assert!((skeleton.measures().trunk_diameter_m - 2.0 * 0.197).abs() < 1e-6);
+        skeleton.fits = vec![RadiusFit::GUESSED; 5];
+        assert!((skeleton.measures().trunk_diameter_m - 2.0 * 0.195).abs() < 1e-6);
+        let climbed_m = skeleton.climbed_m(&[0, 1, 2]);
+        assert!(climbed_m.iter().zip([0.0, 0.5, 0.8]).all(|(a, b)| (a - b).abs() < 1e-6), "{climbed_m:?}");
     }
 
     #[test]

@@ -111,7 +111,7 @@ mod tests {
 
     #[test]
     fn what_is_no_cone_stays_as_it_was_seen() {
-        // A rod that does not get thinner, and points without any order along it.
+        // Beside the node all of them: nothing tells how fast the radius changes.
         let (flat, along_m) = half_hidden();
         let level = vec![0.0; along_m.len()];
         let seen = circle::fit(&flat).unwrap();

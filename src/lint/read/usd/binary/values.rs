@@ -64,6 +64,24 @@ const LEAST_COMPRESSED: usize = 16;
 /// A string or path besides its letters.
 const NAME_BYTES: usize = 32;
 
+/// A list operation: bits that say which lists follow, each of which `read` reads.
+fn list_op<'a, T: Default + Clone + PartialEq>(
+    bytes: &mut Bytes<'a>,
+    mut read: impl FnMut(&mut Bytes<'a>) -> Result<Vec<T>, ReadError>,
+) -> Result<ListOp<T>, ReadError> {
+    let [bits] = bytes.numbers()?;
+    let mut items = |bit: u8| if bits & bit == 0 { Ok(Vec::new()) } else { read(bytes) };
+    Ok(ListOp {
+        explicit: bits & 1 != 0,
+        explicit_items: items(2)?,
+        added_items: items(4)?,
+        prepended_items: items(32)?,
+        appended_items: items(64)?,
+        deleted_items: items(8)?,
+        ordered_items: items(16)?,
+    })
+}
+
 impl Values<'_> {
     /// A value; `None` where it is of a type that nobody looks at.
     pub fn read(&self, rep: Rep, room: &mut Room<'_>) -> Result<Option<Value>, ReadError> {
@@ -231,40 +249,14 @@ impl Values<'_> {
         numbers.into_iter().map(path).collect()
     }
 
-    /// A list operation: bits that say which lists follow.
     fn path_list(&self, rep: Rep, room: &mut Room<'_>) -> Result<Value, ReadError> {
         let mut bytes = self.at(rep, LIST)?;
-        let [bits] = bytes.numbers()?;
-        let mut items = |bit: u8| {
-            if bits & bit == 0 { Ok(Vec::new()) } else { self.paths(&mut bytes, room) }
-        };
-        Ok(Value::PathListOp(ListOp {
-            explicit: bits & 1 != 0,
-            explicit_items: items(2)?,
-            added_items: items(4)?,
-            prepended_items: items(32)?,
-            appended_items: items(64)?,
-            deleted_items: items(8)?,
-            ordered_items: items(16)?,
-        }))
+        Ok(Value::PathListOp(list_op(&mut bytes, |bytes| self.paths(bytes, room))?))
     }
 
-    /// The same of payloads.
     fn payload_list(&self, rep: Rep, room: &mut Room<'_>) -> Result<Value, ReadError> {
         let mut bytes = self.at(rep, PAYLOADS)?;
-        let [bits] = bytes.numbers()?;
-        let mut items = |bit: u8| {
-            if bits & bit == 0 { Ok(Vec::new()) } else { self.payloads(&mut bytes, room) }
-        };
-        Ok(Value::PayloadListOp(ListOp {
-            explicit: bits & 1 != 0,
-            explicit_items: items(2)?,
-            added_items: items(4)?,
-            prepended_items: items(32)?,
-            appended_items: items(64)?,
-            deleted_items: items(8)?,
-            ordered_items: items(16)?,
-        }))
+        Ok(Value::PayloadListOp(list_op(&mut bytes, |bytes| self.payloads(bytes, room))?))
     }
 
     fn payloads(&self, bytes: &mut Bytes<'_>, room: &mut Room<'_>) -> Result<Vec<Payload>, ReadError> {
