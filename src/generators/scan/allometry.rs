@@ -71,6 +71,8 @@ pub(crate) struct Looked {
     pub radius_m: f64,
     /// For how many places it stands: where points are few, one circle is put through a longer stretch.
     pub places: u32,
+    /// Whether its circle is a stem's, such as chance makes none.
+    pub is_sure: bool,
 }
 
 /// Radius by growth length.
@@ -162,7 +164,10 @@ impl Allometry {
                 unknown.push(class(same[0].growth_m));
             }
         }
-        sorted.retain(|m| m.radius_m > 0.0 && unknown.binary_search(&class(m.growth_m)).is_err());
+        // Of a stem that is seen below its crown alone most circles fail, but those that are seen are its own.
+        sorted.retain(|m| {
+            m.radius_m > 0.0 && (m.is_sure || unknown.binary_search(&class(m.growth_m)).is_err())
+        });
         let least = LEAST_PLACES.min(places(&sorted));
         let mut measured: Vec<Class> = Vec::new();
         for same in sorted.chunk_by(is_same).filter(|same| places(same) >= least) {
@@ -233,7 +238,7 @@ mod tests {
             .map(|i| {
                 let growth_m = 0.5 * libm::pow(1.004, f64::from(i));
                 let times = if i % 7 == 0 { 3.0 } else { 1.0 };
-                Looked { growth_m, radius_m: law(growth_m) * times, places: 1 }
+                Looked { growth_m, radius_m: law(growth_m) * times, places: 1, is_sure: false }
             })
             .collect();
         let found = Allometry::of(&measured, None).unwrap();
@@ -260,7 +265,7 @@ mod tests {
                     0..3 => (10.0 * law(growth_m), 1),
                     _ => (0.0, 2),
                 };
-                Looked { growth_m, radius_m, places }
+                Looked { growth_m, radius_m, places, is_sure: false }
             })
             .collect();
         let found = Allometry::of(&nodes, None).unwrap();
@@ -278,7 +283,9 @@ mod tests {
         let stem = (0..60).map(|i| 600.0 + 20.0 * f64::from(i)).map(|growth_m| (growth_m, law(growth_m)));
         let bundles = (0..6).map(|i| (55.0 + 4.0 * f64::from(i), 0.8 * law(1000.0)));
         let nodes = |of: Vec<(f64, f64)>| -> Vec<Looked> {
-            of.into_iter().map(|(growth_m, radius_m)| Looked { growth_m, radius_m, places: 1 }).collect()
+            of.into_iter()
+                .map(|(growth_m, radius_m)| Looked { growth_m, radius_m, places: 1, is_sure: false })
+                .collect()
         };
         let found = Allometry::of(&nodes(stem.clone().chain(bundles).collect()), None).unwrap();
         let alone = Allometry::of(&nodes(stem.collect()), None).unwrap();
@@ -299,7 +306,7 @@ mod tests {
             let measured: Vec<Looked> = (0..40)
                 .map(|i| {
                     let growth_m = 2000.0 - 25.0 * f64::from(i);
-                    Looked { growth_m, radius_m: law(twig_m, growth_m), places: 1 }
+                    Looked { growth_m, radius_m: law(twig_m, growth_m), places: 1, is_sure: false }
                 })
                 .collect();
             Allometry::of(&measured, given).unwrap().radius_m(growth_m) / law(twig_m, growth_m)
@@ -316,7 +323,7 @@ mod tests {
     /// Wood of 2 cm with a hand of wood beyond it ends in no twig, and goes on as usual.
     #[test]
     fn trees_with_thick_ends_have_no_twigs_to_taper_to() {
-        let ends = [Looked { growth_m: 0.1, radius_m: 0.01, places: 9 }; 9];
+        let ends = [Looked { growth_m: 0.1, radius_m: 0.01, places: 9, is_sure: false }; 9];
         let usual = 0.01 * libm::pow(0.2, USUAL_EXPONENT.0);
         let found = Allometry::of(&ends, None).unwrap().radius_m(0.02);
         assert!((found / usual - 1.0).abs() < 0.01, "{found} {usual}");

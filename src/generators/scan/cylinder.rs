@@ -18,16 +18,23 @@ const MOST_TURN: f64 = 0.4;
 /// A circle that is larger than this many times the spread of its points is put through a patch of them.
 const WIDE: f64 = 2.5;
 
+/// Turns up to this, as a tangent, need no proof;
+const SMALL: f64 = 0.2;
+
+/// and beyond it points lead aside along the stretch by this part of what the turn says: an upright oval looks like a rod seen
+/// askew, but for that.
+const PROVEN: f64 = 0.35;
+
 /// A smaller turn changes nothing that is measured.
 const LEAST_TURN: f64 = 2e-3;
 
 /// Two directions across the cylinder that points lie on, given from a place near its axis, and the direction along it: by
-/// turning those in which `start` was seen. `None` where the points do not tell.
+/// turning those in which `start` was seen; and whether the points themselves lead that way. `None` where they do not tell.
 pub(crate) fn turned(
     points: &[DVec3],
     [mut u, mut v, mut w]: [DVec3; 3],
     start: &Circle,
-) -> Option<[DVec3; 3]> {
+) -> Option<([DVec3; 3], bool)> {
     let mut flat: Vec<Flat> = points.iter().map(|p| (p.dot(u), p.dot(v))).collect();
     let mut scratch = Vec::with_capacity(points.len());
     let mut circle = [start.centre.0, start.centre.1, start.radius_m];
@@ -35,10 +42,13 @@ pub(crate) fn turned(
     let [x, y] =
         [0, 1].map(|axis| flat.iter().map(|p| [p.0, p.1][axis]).sum::<f64>() / flat.len().max(1) as f64);
     let spread_m = mad(&flat, [x, y, 0.0], &mut scratch);
-    if circle[2] > WIDE * spread_m {
+    let is_patch = circle[2] > WIDE * spread_m;
+    if is_patch {
         circle = [x, y, spread_m];
     }
     let start_m = circle[2];
+    let frame = [u, v, w];
+    let mut leads = None;
     for _ in 0..STEPS {
         flat.clear();
         flat.extend(points.iter().map(|p| (p.dot(u), p.dot(v))));
@@ -63,6 +73,8 @@ pub(crate) fn turned(
             }
         }
         let [by_x, by_y, turn_x, turn_y, by_r] = solve(m)?;
+        // At first: how far the wood leads aside, before any turn has made a circle of what is none.
+        leads.get_or_insert((turn_x, turn_y));
         circle = [x + by_x, y + by_y, r + by_r];
         if !(circle[2] > 0.25 * start_m && circle[2] < 4.0 * start_m) {
             return None;
@@ -75,7 +87,13 @@ pub(crate) fn turned(
             break;
         }
     }
-    Some([u, v, w])
+    let along = w.dot(frame[2]);
+    let aside = [w.dot(frame[0]) / along, w.dot(frame[1]) / along];
+    let squared = aside[0] * aside[0] + aside[1] * aside[1];
+    let is_proven = is_patch
+        || squared < SMALL * SMALL
+        || leads.is_some_and(|(x, y)| x * aside[0] + y * aside[1] >= PROVEN * squared);
+    Some(([u, v, w], is_proven))
 }
 
 #[cfg(test)]
@@ -107,7 +125,8 @@ mod tests {
                     fit(&points.iter().map(|p| (p.dot(u), p.dot(v))).collect::<Vec<_>>()).unwrap()
                 };
                 let before = seen(u, v);
-                let [u, v, w] = turned(&points, [u, v, askew], &before).unwrap();
+                let ([u, v, w], is_proven) = turned(&points, [u, v, askew], &before).unwrap();
+                assert!(is_proven);
                 let after = seen(u, v);
                 assert!(w.dot(DVec3::Y) > 0.995, "{askew}: {w}");
                 assert!(after.mad_m < 0.003 && after.mad_m < 0.5 * before.mad_m, "{after:?} {before:?}");
@@ -115,6 +134,22 @@ mod tests {
             }
         }
         assert!(turned(&[], [DVec3::X, DVec3::Z, DVec3::Y], &fit_of_one()).is_none());
+    }
+
+    /// Its section is an ellipse of 21 by 15 cm, and nothing leads aside.
+    #[test]
+    fn an_upright_oval_is_no_rod_seen_askew() {
+        let points: Vec<DVec3> = (0..200)
+            .map(|i| {
+                let unit = |n: u64| Key::new(6).child(i).child(n).unit();
+                let (a, off) = (TAU * unit(0), 0.004 * (unit(1) - 0.5));
+                DVec3::new((0.105 + off) * libm::cos(a), 0.2 * (unit(2) - 0.5), (0.075 + off) * libm::sin(a))
+            })
+            .collect();
+        let flat: Vec<Flat> = points.iter().map(|p| (p.x, p.z)).collect();
+        let frame = [DVec3::X, DVec3::Z, DVec3::Y];
+        let found = turned(&points, frame, &fit(&flat).unwrap());
+        assert!(found.is_none_or(|([.., w], is_proven)| w.y > 0.97 || !is_proven), "{found:?}");
     }
 
     fn fit_of_one() -> Circle {

@@ -29,6 +29,13 @@ pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 208;
 /// Half of the points lie nearer to a believed circle than this part of its radius.
 const ROUND: f64 = 0.12;
 
+/// What no chance makes round on a stem, neither twigs beside it nor leaves: so many points, over so much of the turn (radians), of
+/// which half lie so near to the circle and whose radius is so sure, as parts of the radius.
+const SURE_POINTS: usize = 40;
+const SURE_ARC_RAD: f64 = 3.5;
+const SURE_ROUND: f64 = 0.06;
+const SURE_SE: f64 = 0.02;
+
 /// Least believed radius, in standard errors of the points.
 const CLEAR: f64 = 3.0;
 
@@ -212,6 +219,16 @@ impl Round {
         is_believed.then_some(c)
     }
 
+    /// Whether the circle around a node of a stem is believed however few others are.
+    fn is_sure(&self, node: u32) -> bool {
+        self.believed(node).is_some_and(|circle| {
+            circle.inliers >= SURE_POINTS
+                && circle.arc_rad >= SURE_ARC_RAD
+                && circle.mad_m <= SURE_ROUND * circle.radius_m
+                && circle.relative_se() <= SURE_SE
+        })
+    }
+
     /// Moves nodes to the centres of their circles, and those between them with them.
     fn recentre(&self, branching: &mut Branching) {
         let given = branching.positions.clone();
@@ -310,6 +327,12 @@ impl Round {
         let length_m = |node: usize| f64::from(positions[node].distance(positions[parents[node] as usize]));
         let growth_m = growth_lengths_m(parents, length_m);
         let mut seen: Vec<Option<f64>> = vec![None; positions.len()];
+        let mut is_sure = vec![false; positions.len()];
+        for axis in self.axes.iter().filter(|axis| axis.parent == NO_PARENT) {
+            for &node in self.nodes(axis) {
+                is_sure[node as usize] = self.is_sure(node);
+            }
+        }
         let mut fits = vec![RadiusFit::GUESSED; positions.len()];
         for axis in &self.axes {
             let nodes = self.nodes(axis);
@@ -334,11 +357,13 @@ impl Round {
         let known: Vec<Looked> = (0..positions.len())
             .filter_map(|node| {
                 let places = self.looked[node]?.places;
-                Some(Looked { growth_m: growth_m[node], radius_m: seen[node].unwrap_or(0.0), places })
+                let (growth_m, radius_m) = (growth_m[node], seen[node].unwrap_or(0.0));
+                Some(Looked { growth_m, radius_m, places, is_sure: is_sure[node] })
             })
             .collect();
         let allometry = Allometry::of(&known, twig_m)?;
-        for node in (0..positions.len()).filter(|&node| !allometry.is_known(growth_m[node])) {
+        let is_unknown = |&node: &usize| !allometry.is_known(growth_m[node]) && !is_sure[node];
+        for node in (0..positions.len()).filter(is_unknown) {
             (seen[node], fits[node]) = (None, RadiusFit::GUESSED);
         }
         // What measured wood further out has at least.

@@ -59,6 +59,7 @@ mod leaves;
 mod links;
 mod median;
 mod neighbours;
+mod oval;
 pub mod plot;
 mod points;
 mod profile;

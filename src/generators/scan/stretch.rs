@@ -6,6 +6,7 @@ use linden_skeleton::{Axis, Branching, NO_PARENT};
 
 use super::circle::{self, Circle, Flat, LEAST_POINTS};
 use super::cylinder;
+use super::oval;
 use super::segments::Nearest;
 use super::taper;
 
@@ -98,6 +99,8 @@ pub struct Stretch<'a> {
     points_before: Vec<u32>,
     /// Points around a node that are looked at.
     most_points: usize,
+    /// Whether it stands on the ground.
+    is_stem: bool,
 }
 
 impl<'a> Stretch<'a> {
@@ -127,7 +130,8 @@ impl<'a> Stretch<'a> {
         for (i, &node) in nodes.iter().enumerate() {
             points_before.push(points_before[i] + by_node.of(node).len() as u32);
         }
-        Self { nodes, at, from, along_m, inside, bark, by_node, points_before, most_points }
+        let is_stem = axis.parent == NO_PARENT;
+        Self { nodes, at, from, along_m, inside, bark, by_node, points_before, most_points, is_stem }
     }
 
     /// The nodes whose segments reach within `reach_m` of the `i`-th, along the axis.
@@ -232,11 +236,17 @@ impl<'a> Stretch<'a> {
                 }
             }
         }
-        let found = taper::at_node(&flat, &along_m, circle::fit(&flat)?);
-        if found.mad_m > UNEVEN * found.radius_m
-            && let Some((straight, centre)) = straight(&near, [u, v, w], &found)
-        {
-            return Some((straight, middle + centre));
+        let mut found = taper::at_node(&flat, &along_m, circle::fit(&flat)?);
+        if found.mad_m > UNEVEN * found.radius_m {
+            let straight = straight(&near, [u, v, w], &found);
+            // A stem is an oval sooner than it leads another way than its axis; limbs that part are none.
+            let is_proven = straight.as_ref().is_some_and(|&(.., is_proven)| is_proven);
+            let oval = (self.is_stem && !is_proven).then(|| oval::mean(&flat, &found)).flatten();
+            match (oval, straight) {
+                (Some(oval), _) => found = oval,
+                (None, Some((straight, centre, _))) => return Some((straight, middle + centre)),
+                (None, None) => {}
+            }
         }
         let centre = middle + u * found.centre.0 + v * found.centre.1;
         Some((found, centre))
@@ -244,14 +254,14 @@ impl<'a> Stretch<'a> {
 }
 
 /// The circle of the straight cylinder on which points lie more closely than on the one that was seen, and its centre, if there is
-/// one. Points and centre are given from the middle of the stretch. Seen askew a cylinder is an oval, through which the circle
+/// one; and whether the points themselves lead its way. Points and centre are given from the middle of the stretch. Seen askew a cylinder is an oval, through which the circle
 /// is too large: what comes out larger is another thing.
-fn straight(points: &[DVec3], frame: [DVec3; 3], seen: &Circle) -> Option<(Circle, DVec3)> {
-    let [u, v, _] = cylinder::turned(points, frame, seen)?;
+fn straight(points: &[DVec3], frame: [DVec3; 3], seen: &Circle) -> Option<(Circle, DVec3, bool)> {
+    let ([u, v, _], is_proven) = cylinder::turned(points, frame, seen)?;
     let flat: Vec<Flat> = points.iter().map(|p| (p.dot(u), p.dot(v))).collect();
     let found = circle::fit(&flat)?;
     let is_better = found.mad_m < seen.mad_m && found.radius_m < seen.radius_m;
-    is_better.then(|| (found, u * found.centre.0 + v * found.centre.1))
+    is_better.then(|| (found, u * found.centre.0 + v * found.centre.1, is_proven))
 }
 
 #[cfg(test)]

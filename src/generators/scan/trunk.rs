@@ -12,6 +12,7 @@ use linden_base::random::Key;
 
 use super::circle::{Circle, SD_PER_MAD, consensus};
 use super::foot::Foot;
+use super::oval;
 
 /// Slices in the height of the tree.
 const SLICES: f64 = 120.0;
@@ -227,7 +228,8 @@ impl<'a> Slices<'a> {
         let near_m = (0.5 * self.spacing_m).clamp(0.0003 * self.foot.height_m, 0.002 * self.foot.height_m);
         let key = Key::new(0x7472_756e).child((part * 1000.0) as u64);
         let radii = [(2.0 * self.spacing_m).max(0.001 * self.foot.height_m), STOUTEST * self.foot.height_m];
-        let circle = consensus(&flat, near_m, radii, key).filter(is_believed)?;
+        let circle = consensus(&flat, near_m, radii, key).map(|circle| whole(&flat, circle));
+        let circle = circle.filter(is_believed)?;
         let ring = Ring {
             at: at + u * circle.centre.0 + v * circle.centre.1,
             radius_m: circle.radius_m,
@@ -263,7 +265,8 @@ impl<'a> Slices<'a> {
                 let (x, y) = c.centre;
                 (x * x + y * y).sqrt() <= (0.35 * radius_m).max(2.0 * sd_m)
             };
-            let circle = consensus(&flat, near_m, radii, key).filter(is_believed).filter(is_near);
+            let circle = consensus(&flat, near_m, radii, key).map(|circle| whole(&flat, circle));
+            let circle = circle.filter(is_believed).filter(is_near);
             if let Some(circle) = circle {
                 at += u * circle.centre.0 + v * circle.centre.1;
                 radius_m += 0.4 * (circle.radius_m - radius_m);
@@ -290,6 +293,11 @@ impl<'a> Slices<'a> {
         rings.truncate(rings.len() - lost);
         Ok(rings)
     }
+}
+
+/// The circle that most points lie on is one of the flanks of a stem that is an oval: then that of the oval.
+fn whole(flat: &[(f64, f64)], circle: Circle) -> Circle {
+    oval::mean(flat, &circle).unwrap_or(circle)
 }
 
 fn is_believed(circle: &Circle) -> bool {
@@ -338,6 +346,30 @@ mod tests {
             }
             assert!(trunk.place(DVec3::new(0.1 + 0.126, 2.0, 0.0)).is_some());
             assert!(trunk.place(DVec3::new(0.15, 3.7, 1.0)).is_none());
+        }
+    }
+
+    /// A stem whose section is an ellipse: the axis is its own, and the radius is the mean.
+    #[test]
+    fn the_axis_of_an_oval_stem_is_in_its_middle() {
+        for ratio in [0.85, 0.75, 0.65_f64] {
+            let points: Vec<DVec3> = (0..12_000_u64)
+                .map(|i| {
+                    let unit = |n: u64| Key::new(7).child(i).child(n).unit();
+                    let (h, a) = (6.0 * unit(0), 2.0 * PI * unit(1));
+                    let r = 0.18 - 0.012 * h + 0.004 * (unit(2) - 0.5);
+                    DVec3::new(r / ratio.sqrt() * libm::cos(a), h, r * ratio.sqrt() * libm::sin(a))
+                })
+                .collect();
+            let foot = Foot::find(&points);
+            let trunk = Trunk::follow(&points, &foot, 0.012, &Quiet).unwrap().unwrap();
+            assert!(trunk.foot().with_y(0.0).length() < 0.02, "{ratio}: {}", trunk.foot());
+            for ring in trunk.rings.iter().filter(|ring| ring.at.y < 5.0) {
+                let off_m = ring.at.with_y(0.0).length();
+                let radius_m = 0.18 - 0.012 * ring.at.y;
+                assert!(off_m < 0.02, "{ratio}: {off_m} off at {}", ring.at);
+                assert!((ring.radius_m / radius_m - 1.0).abs() < 0.1, "{ratio}: {ring:?} {radius_m}");
+            }
         }
     }
 
