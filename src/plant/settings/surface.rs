@@ -141,6 +141,32 @@ impl Tubes {
             see_also(&["flare_ridges", "flare"])
         ),
         field!(
+            "foot_depth",
+            real(0.0, 10.0),
+            "",
+            "how far the foot of a stem goes on into the ground, in its radii; 0: it ends there",
+            features.foot_depth,
+            details(
+                "For trees on slopes: at 1 no gap shows on the lower side of one of 45 degrees, with buttresses \
+                 (flare_ridges) of 33. The origin stays at the ground, and heights count from there. A stem that \
+                 leans goes as far as it needs to be closed all around in any case."
+            ),
+            see_also(&["ground_slope", "flare", "surface_roots"])
+        ),
+        field!(
+            "ground_slope",
+            real(-60.0, 60.0),
+            "°",
+            "how steep the ground falls towards +X: the foot and the roots follow it",
+            features.ground_slope_deg,
+            details(
+                "For a tree that is turned until its +X points downhill: surface_roots lie on the slope, and the \
+                 foot goes as deep as it needs there. The tree itself grows as it does on level ground. Grounds of \
+                 scenes and previews stay level."
+            ),
+            see_also(&["foot_depth", "surface_roots"])
+        ),
+        field!(
             "trunk_lobes",
             integer(0, 24),
             "",

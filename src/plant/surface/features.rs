@@ -30,6 +30,11 @@ pub struct Features {
     pub flare_depth: f32,
     /// Of flare and lobes nothing is shown that is smaller, metres; 0: all.
     pub flare_smallest_m: f32,
+    /// How far the foot of a stem that stands on the ground goes on into it, in radii of the foot. A stem that leans goes
+    /// as far as it needs to be closed all around, whatever this says.
+    pub foot_depth: f32,
+    /// How steep the ground falls towards +X, degrees: the foot and the roots follow it.
+    pub ground_slope_deg: f32,
     /// Lobes round a stem, all along it; 0: it is round.
     pub lobes: u32,
     /// How far lobes stand out, as a share of the radius.
@@ -57,6 +62,8 @@ impl Default for Features {
             flare_ridges: 0,
             flare_depth: 0.6,
             flare_smallest_m: 0.0,
+            foot_depth: 0.0,
+            ground_slope_deg: 0.0,
             lobes: 0,
             lobe_depth: 0.1,
             roots: SurfaceRoots::default(),
@@ -66,6 +73,13 @@ impl Default for Features {
             ends: Ends::Bud,
             ends_above_m: 0.0,
         }
+    }
+}
+
+impl Features {
+    /// How far the ground falls on a metre towards +X.
+    pub(super) fn fall(&self) -> f32 {
+        libm::tanf(self.ground_slope_deg.to_radians())
     }
 }
 

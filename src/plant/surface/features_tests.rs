@@ -15,6 +15,8 @@ pub(super) const ALL: Features = Features {
     flare_ridges: 5,
     flare_depth: 0.8,
     flare_smallest_m: 0.0,
+    foot_depth: 0.0,
+    ground_slope_deg: 0.0,
     lobes: 7,
     lobe_depth: 0.2,
     roots: SurfaceRoots { count: 5, reach: 4.0, rise: 0.5, smallest_m: 0.0 },
@@ -83,6 +85,42 @@ fn a_leaning_stem_goes_on_into_the_ground() {
         };
         let upright = drawn(&tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 5.0], vec![NO_PARENT, 0, 1], &wood));
         assert!((drawn(&skeleton) - upright).abs() < 1e-4, "{lean_deg}");
+    }
+}
+
+/// What stands at a slope of which the tangent is the depth shows no gap on the lower side, and nothing above the ground changes.
+#[test]
+fn a_foot_goes_on_into_the_ground_as_deep_as_asked() {
+    let wood = Wood { tip_radius_m: Some(0.3), ..Wood::default() };
+    for lean_deg in [0.0_f32, 5.0, 20.0] {
+        let (sin, cos) = libm::sincosf(lean_deg.to_radians());
+        let along = Vec3::new(sin, cos, 0.0);
+        let skeleton = tree(vec![Vec3::ZERO, along, along * 5.0], vec![NO_PARENT, 0, 1], &wood);
+        for flare_ridges in [0, 5] {
+            let features = Features { flare: 0.5, flare_ridges, ..Features::default() };
+            let sunk = |foot_depth: f32| {
+                let tubes = with(Features { foot_depth, ..features });
+                let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
+                assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
+                assert_eq!(mesh.positions.len(), count(&skeleton, &tubes, &Quiet).unwrap()[0].vertices);
+                mesh
+            };
+            let low = |mesh: &Mesh| mesh.positions.iter().map(|at| at.y).fold(0.0, f32::min);
+            let foot_m = 1.5 * 0.3;
+            for depth in [0.5, 2.0] {
+                let found = low(&sunk(depth));
+                assert!((found + depth * foot_m).abs() < 1e-4, "{lean_deg} {flare_ridges}: {found}");
+            }
+            // One that leans is closed all around, however shallow it is to be.
+            assert!(low(&sunk(1e-3)) <= low(&sunk(0.0)) + 1e-6);
+            // Above the ground it is the same.
+            let above = |mesh: &Mesh| -> Vec<Vec3> {
+                mesh.positions.iter().copied().filter(|at| at.y > 0.4).collect()
+            };
+            let [shallow, deep] = [0.5, 2.0].map(|depth| above(&sunk(depth)));
+            assert!(shallow.len() > 20 && shallow.len() == deep.len());
+            assert!(shallow.iter().zip(&deep).all(|(a, b)| a.distance(*b) < 1e-5));
+        }
     }
 }
 

@@ -85,18 +85,21 @@ const LEANS: f32 = 0.5;
 /// Where one side of the foot rises less than this, in radii, the tube stays as it is.
 const LEVEL: f32 = 0.01;
 
-/// Lets the tube of a stem that leans go on straight down into the ground, level where it ends: across its axis the foot would
-/// stand on one side alone. Says how far down, metres.
-pub(super) fn sink(stations: &mut Vec<Station>) -> f32 {
+/// Lets the tube of a stem go on straight down into the ground, level where it ends: `depth` radii, on ground that falls or where
+/// it leans no less than it needs to be closed all around. Across its axis its foot would stand on one side alone. Says how far
+/// down, metres.
+pub(super) fn sink(stations: &mut Vec<Station>, depth: f32, fall: f32) -> f32 {
     let [foot, next, ..] = stations.as_slice() else { return 0.0 };
     let up = (next.position - foot.position).normalize_or_zero();
     let sine = (up.x * up.x + up.z * up.z).sqrt();
-    if up.y < LEANS || sine < LEVEL {
+    let depth = depth.max(WIDEST_FOOT * fall.abs());
+    if up.y < LEANS || (sine < LEVEL && depth <= 0.0) {
         return 0.0;
     }
     // At the foot the ring stands across the bisector: half as steep. Below it there is room for its lower side.
     let tangent_of_half = sine / (1.0 + up.y);
-    let below_m = foot.onward * (WIDEST_FOOT * tangent_of_half + 0.05);
+    let needed = if sine < LEVEL { 0.0 } else { WIDEST_FOOT * tangent_of_half + 0.05 };
+    let below_m = foot.onward * needed.max(depth);
     let under = Station::new(foot.position - Vec3::Y * below_m, foot.onward);
     stations.insert(0, under);
     below_m

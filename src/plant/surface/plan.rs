@@ -116,7 +116,7 @@ impl<'a> Course<'a> {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
         let sinks = is_stem && base.position.y - self.ground_m <= base.radius;
-        let below_m = if sinks { path::sink(stations) } else { 0.0 };
+        let below_m = if sinks { path::sink(stations, features.foot_depth, features.fall()) } else { 0.0 };
         form.is_bent = path::rings(stations, below_m, |radius_m| self.roundness.reach(radius_m), kept, rings);
         form
     }
@@ -266,7 +266,7 @@ impl Plan {
     fn add_roots(&mut self, course: &Course<'_>, axis: u32, rings: &Range<usize>, flare: Option<Flare>) {
         let Tubes { sides, ref features, .. } = *course.tubes;
         let stem = above_ground(&self.rings[rings.clone()]);
-        let all = course.stools.roots_of(course.skeleton, axis, stem, flare, (&features.roots, sides));
+        let all = course.stools.roots_of(course.skeleton, axis, stem, flare, (features, sides));
         for laid in all {
             let form = TubeForm { axis, ..TubeForm::default() };
             self.add(course, form, laid, |amount| Amount {

@@ -24,6 +24,25 @@ pub(super) static RULES: &[Rule] = &[
         },
     },
     Rule {
+        knobs: &["ground_slope"],
+        why: |preset| {
+            when(
+                preset.wood.width_steps == WidthSteps::Cylinder
+                    && preset.dressing.tubes.features.roots.count == 0,
+                "width_steps=cylinder keeps stems as they are, and surface_roots is 0",
+            )
+        },
+    },
+    Rule {
+        knobs: &["foot_depth"],
+        why: |preset| {
+            when(
+                preset.wood.width_steps == WidthSteps::Cylinder,
+                "width_steps=cylinder keeps stems as they are",
+            )
+        },
+    },
+    Rule {
         knobs: &["width_smoothing", "smooth_wood"],
         why: |preset| {
             when(preset.wood.width_steps == WidthSteps::Cylinder, "width_steps=cylinder keeps its steps")

@@ -19,8 +19,12 @@ const COMES_DOWN: f32 = 1.1;
 const FALL: f32 = 3.2;
 /// Its radius within the trunk, as a share of that where it is out of it.
 const EMERGES: f32 = 0.5;
-/// From this share of its run on it goes into the ground.
-const DIVES: f32 = 0.6;
+/// At this share of its run the soil has closed over it, at a rise of 0 and of 1.
+const CLOSES: [f32; 2] = [0.3, 0.85];
+/// How far its crest is under the ground at its end, in radii of the trunk, and in its own at its base.
+const DEEP: [f32; 2] = [0.12, 0.5];
+/// How high its crest is over its middle, in its radii.
+const CREST: f32 = 0.95;
 /// Its radius at the very end, as a share of that at its base.
 const TIP: f32 = 0.11;
 /// A fork's radius, as a share of that of the root there.
@@ -53,6 +57,8 @@ pub(super) struct Foot {
     radius_m: f32,
     /// Of the stem.
     height_m: f32,
+    /// How far the ground falls on a metre towards +X.
+    fall: f32,
     key: Key,
 }
 
@@ -79,13 +85,18 @@ struct Fork {
 }
 
 impl Foot {
-    pub fn new(rings: &[Ring], flare: Option<Flare>, radius_m: f32, key: Key) -> Self {
+    pub fn new(rings: &[Ring], flare: Option<Flare>, [radius_m, fall]: [f32; 2], key: Key) -> Self {
         let near_m = 3.0 * LEAVES * radius_m;
         let low = rings.iter().take_while(|ring| ring.along < near_m).count();
         let height_m = rings.last().map_or(0.0, |ring| ring.along);
         let rings = rings[..(low + 1).min(rings.len())].to_vec();
         let center = rings.first().map_or(Vec3::ZERO, |ring| ring.center);
-        Self { host: Arc::new(Host { rings, flare }), center, radius_m, height_m, key }
+        Self { host: Arc::new(Host { rings, flare }), center, radius_m, height_m, fall, key }
+    }
+
+    /// The height of the ground below or above a place.
+    fn ground_m(&self, place: Vec3) -> f32 {
+        self.center.y - self.fall * (place.x - self.center.x)
     }
 
     /// As many roots as are asked for, each with its fork behind it.
@@ -98,11 +109,11 @@ impl Foot {
     ) -> Vec<Laid> {
         let mut laid = Vec::new();
         // Many roots are thin ones.
-        let usual_m = self.radius_m * (1.0 / (count.max(1) as f32).sqrt()).min(0.46);
+        let usual_m = self.radius_m * (1.0 / (count.max(1) as f32).sqrt()).min(0.5);
         for (index, (angle, strength)) in (0..).zip(self.headings(count)) {
             let key = self.key.child(index);
-            let base_m = usual_m * strength * key.named("thickness").between(0.8, 1.15) as f32;
-            let reach = settings.reach * key.named("reach").between(0.7, 1.25) as f32;
+            let base_m = usual_m * strength * key.named("thickness").between(0.6, 1.15) as f32;
+            let reach = settings.reach * key.named("reach").between(0.65, 1.25) as f32;
             if base_m < settings.smallest_m || !is_free(heading(angle), 0.8 * reach * self.radius_m) {
                 continue;
             }
@@ -184,7 +195,8 @@ impl Foot {
         let out = heading(angle);
         let leaves_m = (LEAVES * between("leaves", 0.8, 1.2) * radius_m).min(0.5 * self.height_m);
         // As thick as it is there, and a hand's breadth below the bark.
-        let within_m = self.host.reach_m(leaves_m, out) - 1.35 * EMERGES * base_m - 0.12 * radius_m;
+        let over_foot_m = (leaves_m - self.fall * out.x * radius_m).max(0.0);
+        let within_m = self.host.reach_m(over_foot_m, out) - 1.35 * EMERGES * base_m - 0.12 * radius_m;
         let foot_m = self.host.reach_m(0.0, out);
         let down_m = foot_m + COMES_DOWN * between("down", 0.8, 1.25) * radius_m;
         let lies_m = lies(base_m * 0.85, settings.rise);
@@ -195,7 +207,8 @@ impl Foot {
                 let t = i as f32 / steps as f32;
                 let t = t * (0.6 + 0.4 * t);
                 let height = lies_m + (leaves_m - lies_m) * libm::powf(1.0 - t, FALL);
-                let place = self.center + out * (within_m + (down_m - within_m) * t) + Vec3::Y * height;
+                let flat = self.center + out * (within_m + (down_m - within_m) * t);
+                let place = flat.with_y(self.ground_m(flat) + height);
                 let swells = EMERGES + (1.0 - EMERGES) * smooth(t / 0.65);
                 Station::new(place, base_m * swells * (1.0 - 0.15 * t))
             })
@@ -233,10 +246,15 @@ impl Foot {
         };
         let rolls_m = between("roll", 2.2, 3.4) * self.radius_m.min(3.2 * base_m);
         let roll_phase = phase("roll phase");
-        let high = between("high", 0.35, 0.75);
+        let high = between("high", 0.1, 0.35);
+        let [buried, bare] = CLOSES;
+        let closes = (buried + (bare - buried) * settings.rise) * between("closes", 0.7, 1.25);
+        // Of the crest, over the ground.
+        let seen_m = lies(first * base_m, settings.rise) + CREST * first * base_m;
+        let deep_m = DEEP[0] * self.radius_m + DEEP[1] * base_m;
         let steps =
             steps(sides, 20).max((steps(sides, 8) as f32 * length_m / rolls_m) as usize).min(MOST_RINGS - 16);
-        let ground = self.center.y;
+        let begins_m = from.position.y - self.ground_m(from.position);
         let mut place = from.position;
         let mut before = 0.0;
         for i in 1..=steps {
@@ -254,18 +272,16 @@ impl Foot {
             let radius = base_m * (TIP + (first - TIP) * left);
             let knots = 1.0 + 0.09 * libm::sinf(TAU * u * length_m / (0.55 * rolls_m) + 2.0 * roll_phase);
             let rolls = libm::sinf(TAU * u * length_m / rolls_m + roll_phase) - 0.25;
-            let dive = smooth((u - DIVES) / (1.0 - DIVES));
-            let lies_m = lies(radius, settings.rise)
-                + high * radius * rolls * smooth(u / 0.15) * (1.0 - dive)
-                - dive * (2.4 * radius + 0.16 * base_m);
+            // It sinks with its crest, so that what is seen of it runs out thin and flat.
+            let open = (1.0 - u / closes).max(0.0);
+            let sunk = ((u - 0.8 * closes) / (1.0 - 0.8 * closes)).max(0.0);
+            let crest_m = seen_m * libm::powf(open, 1.25) + high * radius * rolls * smooth(u / 0.15) * open
+                - deep_m * libm::powf(sunk, 1.4);
+            let lies_m = crest_m - CREST * radius;
             // A fork starts at the height of the root that it leaves.
             let settled = smooth(u / settles.max(1e-3) * 6.0);
-            let height = if settles < 1.0 {
-                (from.position.y - ground) * (1.0 - settled) + lies_m * settled
-            } else {
-                lies_m
-            };
-            place.y = ground + height;
+            let height = if settles < 1.0 { begins_m * (1.0 - settled) + lies_m * settled } else { lies_m };
+            place.y = self.ground_m(place) + height;
             stations.push(Station::new(place, radius * knots));
             before = u;
         }
@@ -305,7 +321,7 @@ impl Foot {
         let is_near = |ring: &&Ring| host.near(ring.center).0 < fillet_m + 2.0 * ring.radius;
         let clear_m = rings.iter().rfind(is_near).map_or(0.0, |ring| ring.along + run.base_m);
         let phase = |name: &str| run.key.named(name).between(0.0, f64::from(TAU)) as f32;
-        let upright = if run.on_ground > 0 { [1.35, 0.85] } else { [0.95, 0.85] };
+        let upright = if run.on_ground > 0 { [1.45, 0.8] } else { [0.95, 0.8] };
         let root = Root {
             host: Arc::clone(host),
             fillet_m,

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::features::Flare;
+use super::features::{Features, Flare};
 use super::path::Ring;
 use super::tube;
 use linden_base::memory::bytes_of;
@@ -206,8 +206,9 @@ impl Stools {
         axis: u32,
         rings: &[Ring],
         flare: Option<Flare>,
-        (roots, sides): (&SurfaceRoots, u32),
+        (features, sides): (&Features, u32),
     ) -> Vec<Laid> {
+        let roots = &features.roots;
         let Some(stem) = self.stems.iter().find(|stem| stem.axis == axis) else { return Vec::new() };
         if rings.len() < 2 {
             return Vec::new();
@@ -223,7 +224,7 @@ impl Stools {
                     || way.reject_from_normalized(direction).length() > 2.0 * other.radius_m
             })
         };
-        let foot = course::Foot::new(rings, flare, stem.radius_m, key(skeleton, axis));
+        let foot = course::Foot::new(rings, flare, [stem.radius_m, features.fall()], key(skeleton, axis));
         foot.roots(count, roots, sides, &is_free)
     }
 }

@@ -191,6 +191,36 @@ fn stems_of_one_stool_share_the_roots_of_the_thickest_and_others_keep_clear() {
     assert!(own.map(|ring| flat(ring.center - other).length()).fold(f32::INFINITY, f32::min) > RADIUS_M);
 }
 
+/// What is over the ground on level ground is over it on a slope, as far: all along each root.
+#[test]
+fn on_a_slope_they_lie_as_they_do_on_level_ground() {
+    let pole = stems(&[(0.0, 1.0)], 16);
+    let level = roots(&pole, &tubes(7, 5));
+    for slope_deg in [-20.0, 15.0, 35.0_f32] {
+        let mut tubes = tubes(7, 5);
+        tubes.features.ground_slope_deg = slope_deg;
+        let fall = libm::tanf(slope_deg.to_radians());
+        let sloping = roots(&pole, &tubes);
+        assert_eq!(sloping.len(), level.len());
+        for (flat_ones, ones) in level.iter().zip(&sloping) {
+            let over = |rings: &[Ring], fall: f32| -> Vec<f32> {
+                rings.iter().map(|ring| ring.center.y + fall * ring.center.x + ring.radius).collect()
+            };
+            let most = |heights: Vec<f32>| heights.into_iter().skip(8).fold(f32::NEG_INFINITY, f32::max);
+            let (expected, found) = (most(over(flat_ones, 0.0)), most(over(ones, fall)));
+            assert!((found - expected).abs() < 0.25 * RADIUS_M, "{slope_deg}: {found} for {expected}");
+            let last = ones.last().unwrap();
+            assert!(last.center.y + fall * last.center.x + last.radius < 0.0, "{slope_deg}");
+        }
+        // The foot has no gap below, on the lower side.
+        let mesh = sweep(&pole, &tubes, &Quiet).unwrap();
+        assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
+        let low = mesh.positions.iter().filter(|at| flat(**at).length() < 1.6 * RADIUS_M);
+        let low = low.map(|at| at.y).fold(0.0, f32::min);
+        assert!(low <= -1.5 * RADIUS_M * fall.abs(), "{slope_deg}: {low}");
+    }
+}
+
 #[test]
 fn a_stem_that_lies_down_has_none() {
     let positions = vec![Vec3::ZERO, Vec3::new(4.0, 0.3, 0.0)];
