@@ -215,8 +215,46 @@ struct Stamp<'a> {
     mesh: &'a Mesh,
     /// Where its triangles go; `None`: each organ's colour decides.
     slot: Option<usize>,
-    /// The middle of its kind's crown, metres, for one with dome normals.
-    dome: Option<Vec3>,
+    /// How one with dome normals is lit.
+    dome: Option<Dome>,
+}
+
+/// The light of a shape with dome normals.
+struct Dome {
+    /// The middle of its kind's crown, metres.
+    center: Vec3,
+    /// Its pieces that hang together, vertices and triangles of each: planes of a card. None of a shape whose faces are
+    /// each seen from one side.
+    sheets: Vec<(std::ops::Range<usize>, std::ops::Range<usize>)>,
+}
+
+impl Dome {
+    fn of(shape: &LeafShape, center: Vec3) -> Self {
+        let is_sheet = shape.faces == 1;
+        Self { center, sheets: if is_sheet { sheets(&shape.mesh) } else { Vec::new() } }
+    }
+}
+
+/// Where a mesh, whose pieces follow each other, can be cut without a triangle or a vertex being in two.
+fn sheets(mesh: &Mesh) -> Vec<(std::ops::Range<usize>, std::ops::Range<usize>)> {
+    let mut found: Vec<(std::ops::Range<usize>, std::ops::Range<usize>)> = Vec::new();
+    for (index, triangle) in mesh.triangles.iter().enumerate() {
+        let corners = triangle.map(|vertex| vertex as usize);
+        let (low, high) =
+            (corners[0].min(corners[1]).min(corners[2]), corners[0].max(corners[1]).max(corners[2]));
+        match found.last_mut() {
+            Some((vertices, triangles)) if low < vertices.end => {
+                vertices.end = vertices.end.max(high + 1);
+                triangles.end = index + 1;
+            }
+            // What no triangle has belongs to the piece behind it.
+            last => {
+                let first = last.map_or(0, |(vertices, _)| vertices.end);
+                found.push((first..high + 1, index..index + 1));
+            }
+        }
+    }
+    found
 }
 
 impl<'a> Baker<'a> {
@@ -226,7 +264,7 @@ impl<'a> Baker<'a> {
             PROTOTYPES.iter().map(|prototype| Stamp { mesh: prototype.mesh(), slot: None, dome: None });
         let shaped = shapes.iter().map(|shape| {
             let kind = usize::from(shape.kind);
-            let dome = shape.is_dome.then(|| centers[kind]);
+            let dome = shape.is_dome.then(|| Dome::of(shape, centers[kind]));
             Stamp { mesh: &shape.mesh, slot: Some(colors + kind), dome }
         });
         Self { organs, colors, kinds: centers.len(), stamps: plain.chain(shaped).collect() }
@@ -301,7 +339,7 @@ impl<'a> Baker<'a> {
 
     fn place(&self, placed: usize, stamp: &Stamp<'_>, target: &mut Target<'_>) {
         let mesh = stamp.mesh;
-        target.begin(mesh);
+        let triangles = target.begin(mesh);
         let organs = &self.organs.placed;
         let (foot, size) = (organs.positions[placed], organs.sizes_m[placed]);
         let (heading, up) = (organs.headings[placed], organs.ups[placed]);
@@ -312,12 +350,29 @@ impl<'a> Baker<'a> {
         let normals = target.normals.take(mesh.normals.len());
         // Of unit length: so are the shape's, and the frame is orthonormal.
         copy(normals, &mesh.normals, turn);
-        let Some(center) = stamp.dome else { return };
+        let Some(Dome { center, sheets }) = &stamp.dome else { return };
+        let mut fronts = triangles;
+        for (vertices, of_sheet) in sheets {
+            let (normals, positions) = (&mut normals[vertices.clone()], &positions[vertices.clone()]);
+            let outward: f32 = normals
+                .iter()
+                .zip(positions)
+                .map(|(face, at)| face.dot((*at - *center).normalize_or_zero()))
+                .sum();
+            let (sheet, rest) = fronts.split_at_mut(of_sheet.len());
+            fronts = rest;
+            // Its front looks out of the crown: whoever stands outside sees it, and renderers turn no normal round.
+            if outward < 0.0 {
+                normals.iter_mut().for_each(|normal| *normal = -*normal);
+                sheet.iter_mut().for_each(|corners| corners.swap(1, 2));
+            }
+        }
         for (normal, &at) in normals.iter_mut().zip(&*positions) {
             let face = *normal;
-            let out = (at - center).normalize_or(face);
-            // Where the back looks out of the crown, renderers turn the normal round.
-            let out = if face.dot(out) < 0.0 { -out } else { out };
+            let out = (at - *center).normalize_or(face);
+            let toward = face.dot(out);
+            // No farther than across: behind its face nothing is lit.
+            let out = if toward < 0.0 { (out - face * toward).normalize_or(face) } else { out };
             *normal = face.lerp(out, DOME).normalize_or(face);
         }
     }
@@ -384,13 +439,15 @@ struct Target<'a> {
     next: u32,
 }
 
-impl Target<'_> {
-    /// What is the same wherever a mesh goes: triangles and texture coordinates.
-    fn begin(&mut self, mesh: &Mesh) {
+impl<'a> Target<'a> {
+    /// What is the same wherever a mesh goes: texture coordinates and triangles, which it hands back.
+    fn begin(&mut self, mesh: &Mesh) -> &'a mut [[u32; 3]] {
         let first = self.next;
-        copy(self.triangles.take(mesh.triangles.len()), &mesh.triangles, |local| local.map(|v| first + v));
+        let triangles = self.triangles.take(mesh.triangles.len());
+        copy(triangles, &mesh.triangles, |local| local.map(|v| first + v));
         copy(self.uvs.take(mesh.uvs.len()), &mesh.uvs, |uv| uv);
         self.next += mesh.positions.len() as u32;
+        triangles
     }
 }
 

@@ -552,7 +552,7 @@ fn instances_expand_to_what_is_baked() {
 }
 
 #[test]
-fn dome_normals_point_out_of_the_crown_on_the_side_that_is_seen_from_there() {
+fn dome_normals_and_the_fronts_of_leaves_point_out_of_the_crown() {
     let tree = twigs(300, 6);
     let subject = recipe("leaf_form = \"card\"\nleaf_jitter = 90\nleaf_normals = \"dome\"");
     let organs = grown(&subject, &tree);
@@ -564,9 +564,9 @@ fn dome_normals_point_out_of_the_crown_on_the_side_that_is_seen_from_there() {
         let face = (b - a).cross(c - a).normalize();
         let out = (a - center).normalize();
         let normal = mesh.normals[triangle[0] as usize];
-        // As a renderer has it, which turns the normals of backs round.
-        let shown = if face.dot(out) < 0.0 { -normal } else { normal };
-        assert!((normal.length() - 1.0).abs() < 1e-5 && shown.dot(out) > 0.6, "{}", shown.dot(out));
+        // Renderers turn the normals of backs round: what is seen from outside are fronts.
+        assert!((normal.length() - 1.0).abs() < 1e-5 && normal.dot(out) > 0.5, "{}", normal.dot(out));
+        assert!(face.dot(normal) > 0.0 && face.dot(out) > -0.3, "{face} {normal} {out}");
     }
 }
 

@@ -3,6 +3,10 @@
 //! Each plane stands upright on the axis through the foot and shows the tree as it is seen from far
 //! away at a right angle to it: colours without light (a renderer adds that), alpha, and normals in the
 //! plane's own tangent space. All planes share one pair of pictures.
+//!
+//! A plane has two faces, each seen from its own side, and both are lit alike, by normals that depend on the place alone: up
+//! on the axis, and away from it at the edges. So neither a plane that is seen from behind nor one that crosses another is told
+//! from it by its light.
 
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -40,9 +44,18 @@ pub enum BillboardError {
     Memory(#[from] OverMemory),
 }
 
-/// How much of the light that the crown takes from itself is drawn as lost: planes shade each other, too. Fitted to an oak, a
-/// birch and a spruce on two and three planes, as Cycles shows them.
-const SHADE_SHARE: f32 = 0.6;
+/// How much of the light that the crown takes from itself is drawn as lost. All of it, as normals that look up are lit by all of
+/// the sky: so an oak, a birch and a spruce are as bright as their level of 4000 triangles beside them (three.js, a sun 45° high
+/// and a sky).
+const SHADE_SHARE: f32 = 1.0;
+/// How much of their tilt leaves keep: the faces' normals are the crown's already.
+const RELIEF: f32 = 0.9;
+/// Of normals: how much of them points out of the crown, at the foot and at the top, where it looks up in the middle.
+const OUTWARD: [f32; 2] = [2.0, 0.9];
+/// The same, towards the viewer: the lit side is a little brighter than the other.
+const TOWARD: f32 = 0.25;
+/// Half of the gap between the faces of a plane, in heights of the picture: nothing that is seen, enough to tell which is nearer.
+const GAP: f32 = 5e-5;
 /// A picture may be so much coarser than its height allows, before it gets twice as wide.
 const COARSER: f32 = 1.2;
 /// Neither leaves nor bark shine from afar.
@@ -76,7 +89,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
             right: frame.right,
             up: Vec3::Y,
             toward: frame.toward,
-            relief: 1.0,
+            relief: RELIEF,
             cuts_whole: false,
             // Where the upper left corner of the cell is, and how many samples a metre has.
             corner: Vec2::new(frame.low.x, frame.high.y),
@@ -103,7 +116,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         base_color_picture: Some(Arc::new(color)),
         normal_picture: Some(Arc::new(normal)),
         roughness: ROUGHNESS,
-        double_sided: true,
+        double_sided: false,
         cutout: Some(CUTOUT),
         wrap: Wrap::Clamp,
         translucency,
@@ -198,26 +211,35 @@ impl Sheet {
         }
     }
 
-    /// A rectangle for each plane.
+    /// Two rectangles for each plane: its front and its back.
     fn mesh(&self, frames: &[Frame], foot: Vec3) -> Mesh {
         let mut mesh = Mesh::default();
         for (frame, cell) in frames.iter().zip(&self.cells) {
-            let first = mesh.positions.len() as u32;
             // The cell's edges without the margin, in pixels from the upper left corner.
             let upper_left = cell.inner().to_vec2();
             let lower_right = upper_left + frame.size() / self.texel_m;
-            for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0_f32)] {
-                let at = frame.low + frame.size() * Vec2::new(x, y);
-                mesh.positions.push(Vec3::new(foot.x, 0.0, foot.z) + frame.right * at.x + Vec3::Y * at.y);
-                mesh.normals.push(frame.toward);
-                let pixel = Vec2::new(
-                    upper_left.x + (lower_right.x - upper_left.x) * x,
-                    lower_right.y + (upper_left.y - lower_right.y) * y,
-                );
-                let uv = pixel / self.size.to_vec2();
-                mesh.uvs.push(Vec2::new(uv.x, 1.0 - uv.y));
+            for toward in [frame.toward, -frame.toward] {
+                let first = mesh.positions.len() as u32;
+                let gap = toward * (GAP * frame.size().y);
+                for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0_f32)] {
+                    let at = frame.low + frame.size() * Vec2::new(x, y);
+                    let place = Vec3::new(foot.x, 0.0, foot.z) + frame.right * at.x + Vec3::Y * at.y;
+                    mesh.positions.push(place + gap);
+                    let outward = OUTWARD[0] + (OUTWARD[1] - OUTWARD[0]) * y;
+                    let out = frame.right * (at.x.signum() * outward) + Vec3::Y + toward * TOWARD;
+                    mesh.normals.push(out.normalize());
+                    let pixel = Vec2::new(
+                        upper_left.x + (lower_right.x - upper_left.x) * x,
+                        lower_right.y + (upper_left.y - lower_right.y) * y,
+                    );
+                    let uv = pixel / self.size.to_vec2();
+                    mesh.uvs.push(Vec2::new(uv.x, 1.0 - uv.y));
+                }
+                let triangles = [[first, first + 1, first + 2], [first, first + 2, first + 3]];
+                let is_front = toward == frame.toward;
+                mesh.triangles
+                    .extend(triangles.map(|[a, b, c]| if is_front { [a, b, c] } else { [a, c, b] }));
             }
-            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         }
         mesh
     }

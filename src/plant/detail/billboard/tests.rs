@@ -59,7 +59,7 @@ fn a_pixel_shows_what_the_plane_stands_for() {
     ] {
         // A quarter of the back is hidden: some light is lost between the two.
         let lit = at(x, y).into_iter().zip(expected);
-        assert!(lit.clone().all(|(is, full)| is <= full && is >= full - full / 16), "{x} {y}: {lit:?}");
+        assert!(lit.clone().all(|(is, full)| is <= full && is >= full - full / 9), "{x} {y}: {lit:?}");
     }
     let cut = color.iter().filter(|pixel| pixel[3] < 128).count();
     assert_eq!(cut, 208 * 208 - 200 * 200);
@@ -68,8 +68,8 @@ fn a_pixel_shows_what_the_plane_stands_for() {
     assert!(normal.iter().all(|&pixel| pixel == [128, 128, 255, 255]));
     // The rectangle is where the squares' outline is, and its coordinates are the margin's inside.
     let mesh = &seen.parts[0].mesh;
-    assert_eq!(mesh.positions[0], Vec3::new(-1.0, 0.0, 0.0));
-    assert_eq!(mesh.positions[2], Vec3::new(1.0, 2.0, 0.0));
+    assert!(mesh.positions[0].distance(Vec3::new(-1.0, 0.0, 0.0)) < 2e-4);
+    assert!(mesh.positions[2].distance(Vec3::new(1.0, 2.0, 0.0)) < 2e-4);
     assert!((mesh.uvs[0] - Vec2::splat(4.0 / 208.0)).length() < 1e-6);
     assert!((mesh.uvs[2] - Vec2::splat(204.0 / 208.0)).length() < 1e-6);
 }
@@ -86,8 +86,8 @@ fn a_deep_crown_is_darker_than_a_single_layer() {
     };
     // Half of the light, as an sRGB byte; the diagonal that two triangles share counts as a second layer.
     assert!(seen(1).abs_diff(188) <= 1, "{}", seen(1));
-    // Of what falls on twelve layers 1 / (1 + √½) is left where it is seen, and six tenths of the loss are drawn: 0.376.
-    assert!(seen(12).abs_diff(165) <= 2, "{}", seen(12));
+    // Of what falls on twelve layers 1 / (1 + √½) is left where it is seen, and all of the loss is drawn: 0.293.
+    assert!(seen(12).abs_diff(147) <= 2, "{}", seen(12));
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn backs_are_seen_only_where_they_are_to_be() {
     }
 }
 
-/// Each plane sees a ball as a disc, wherever it stands round it, and its normals are the ball's.
+/// Each plane sees a ball as a disc, wherever it stands round it, and its picture of normals has half of the ball's tilt.
 #[test]
 fn a_ball_is_a_disc_from_everywhere() {
     let (rings, sides) = (48_u32, 96_u32);
@@ -126,7 +126,7 @@ fn a_ball_is_a_disc_from_everywhere() {
     }
     let ball_scene = scene(vec![plain([0.5; 3], false)], vec![ball]);
     let seen = billboard(&ball_scene, &Billboard { planes: 3, size_px: 128 }, &Quiet).unwrap();
-    assert_eq!(seen.parts[0].mesh.triangles.len(), 6);
+    assert_eq!(seen.parts[0].mesh.triangles.len(), 12);
     let (width, height, color, normal) = pixels(&seen);
     let covered = color.iter().filter(|pixel| pixel[3] > 127).count() as f32;
     assert_eq!((width, height), (256, 128), "powers of two, as engines want them");
@@ -135,22 +135,61 @@ fn a_ball_is_a_disc_from_everywhere() {
         seen.parts[0].mesh.uvs.iter().map(|uv| *uv * Vec2::new(width as f32, height as f32)).collect();
     let radius_px = (corners[2].y - corners[0].y) / 2.0;
     assert!((covered / (3.0 * PI * radius_px * radius_px) - 1.0).abs() < 0.02, "{covered}");
-    for plane in corners.chunks(4) {
-        // A quarter of the diameter right of the middle: the sphere's normal there is (½, 0, √¾).
+    for plane in corners.chunks(8) {
+        // A quarter of the diameter right of the middle the sphere's normal is (½, 0, √¾): half as much tilt.
+        assert_eq!(plane[..4], plane[4..], "the same picture on both faces");
         let middle = (plane[0] + plane[2]) / 2.0;
         let (x, y) = ((middle.x + radius_px / 2.0) as u32, (height as f32 - middle.y) as u32);
         let [r, g, b, _] = normal[(y * width + x) as usize].map(|code| f32::from(code) / 127.5 - 1.0);
-        assert!((r - 0.5).abs() < 0.06 && g.abs() < 0.06 && (b - 0.866).abs() < 0.06, "{r} {g} {b}");
+        assert!(r > 0.2 && r < 0.4 && g.abs() < 0.06 && b > 0.9, "{r} {g} {b}");
     }
-    // The planes stand at equal angles, and each is seen from its normal's side.
-    let normals: Vec<Vec3> = seen.parts[0].mesh.normals.chunks(4).map(|corners| corners[0]).collect();
-    for pair in normals.windows(2) {
-        assert!((pair[0].dot(pair[1]) - 0.5).abs() < 1e-6);
+    // The planes stand at equal angles.
+    let mesh = &seen.parts[0].mesh;
+    let faces: Vec<Vec3> = mesh
+        .triangles
+        .iter()
+        .map(|triangle| {
+            let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);
+            (b - a).cross(c - a).normalize()
+        })
+        .collect();
+    for pair in faces.chunks(4).collect::<Vec<_>>().windows(2) {
+        assert!((pair[0][0].dot(pair[1][0]) - 0.5).abs() < 1e-5);
+        assert!((pair[0][0] + pair[0][2]).length() < 1e-5, "the other face looks the other way");
     }
-    for triangle in &seen.parts[0].mesh.triangles {
-        let [a, b, c] = triangle.map(|v| seen.parts[0].mesh.positions[v as usize]);
-        let facing = (b - a).cross(c - a).dot(seen.parts[0].mesh.normals[triangle[0] as usize]);
-        assert!(facing > 0.0);
+}
+
+/// Wherever planes cross and from whichever side they are seen, what stands at one place is lit nearly alike.
+#[test]
+fn light_tells_neither_planes_nor_sides_apart() {
+    let materials = vec![plain([0.5; 3], true)];
+    let crown = rectangle(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
+    let crossed = rectangle(Vec3::new(0.0, 0.0, 1.0), Vec3::Z * -2.0, Vec3::Y * 2.0);
+    let mut both = crown;
+    let first = both.positions.len() as u32;
+    both.positions.extend(&crossed.positions);
+    both.normals.extend(&crossed.normals);
+    both.uvs.extend(&crossed.uvs);
+    both.triangles.extend(crossed.triangles.iter().map(|triangle| triangle.map(|v| v + first)));
+    let seen =
+        billboard(&scene(materials, vec![both]), &Billboard { planes: 2, size_px: 64 }, &Quiet).unwrap();
+    let mesh = &seen.parts[0].mesh;
+    assert!(!seen.materials[0].double_sided);
+    // As a renderer interpolates them, in the middle of each face.
+    let lit: Vec<Vec3> =
+        (mesh.normals.chunks(4)).map(|corners| corners.iter().sum::<Vec3>().normalize()).collect();
+    assert_eq!(lit.len(), 4);
+    for (a, b) in lit.iter().zip(lit.iter().skip(1)) {
+        assert!(a.dot(*b) > 0.8, "{a} {b}");
+    }
+    // At the edges they look away from the axis, on both sides alike.
+    for (at, normal) in mesh.positions.iter().zip(&mesh.normals) {
+        assert!(normal.dot(at.with_y(0.0).normalize()) > 0.4 && normal.y > 0.4, "{at} {normal}");
+    }
+    for plane in mesh.normals.chunks(8) {
+        for (front, back) in plane[..4].iter().zip(&plane[4..]) {
+            assert!(front.dot(*back) > 0.8);
+        }
     }
 }
 
