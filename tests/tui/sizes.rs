@@ -153,3 +153,28 @@ fn a_size_that_no_screen_has_takes_no_more_than_a_large_screen() {
     workbench.keys("q");
     assert_eq!(workbench.wait_exit(), End::Code(0));
 }
+
+#[test]
+fn a_size_that_comes_while_the_program_starts_is_not_lost() {
+    // Windows are given their size at any moment of it.
+    for late_ms in (0..32).chain((32..80).step_by(4)) {
+        let home = Home::new();
+        let workbench = Setup::new(80, 24).args(&["open", "simple"]).start(&home);
+        std::thread::sleep(std::time::Duration::from_millis(late_ms));
+        workbench.resize(110, 36);
+        workbench.wait_for(&format!("all 36 rows, asked for after {late_ms} ms"), |screen| {
+            screen.row(35).contains("? Help") && screen.text().contains("Shape")
+        });
+    }
+}
+
+#[test]
+fn redrawing_reads_the_size_though_nothing_told_of_it() {
+    let home = Home::new();
+    // Without a terminal of its own nobody sends it a signal.
+    let workbench = Setup::new(80, 24).start_shell(&home, "setsid -w $LINDEN open simple");
+    workbench.wait_for("a tree", |screen| screen.row(0).contains(" nodes"));
+    workbench.resize(110, 36);
+    workbench.keys("\x0c");
+    workbench.wait_for("all 36 rows", |screen| screen.row(35).contains("? Help"));
+}

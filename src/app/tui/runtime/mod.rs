@@ -173,6 +173,10 @@ impl Runtime {
             keys: stats::Latency::new(start.stats),
             watchdog,
         };
+        // Nobody told of what changed before somebody listened: windows are given their size as programs start in them.
+        if runtime.tty.size() != size {
+            runtime.resize();
+        }
         runtime.open(start.source, start.set, &remembered);
         Ok(runtime)
     }
