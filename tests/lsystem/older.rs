@@ -102,8 +102,13 @@ fn abops_labels_and_comments_are_read() {
 fn mistakes_are_told_with_their_place() {
     let head = "axiom=F\nangle=20\nnumber of derivations=3\n";
     for (text, message) in [
-        ("", "line 1, column 1: no line says 'axiom=…'"),
-        ("axiom=F\nangle=20\n", "line 2, column 1: no line says 'number of derivations=…'"),
+        ("", "line 1, column 1: no line says 'axiom=…'; add one like 'axiom = F'"),
+        // What is wrong in a line comes first.
+        ("axiom=F\nF -> F[+F\n", "line 2, column 7: '[' opens a branch that is never closed"),
+        (
+            "axiom=F\nangle=20\n",
+            "line 2, column 1: no line says 'number of derivations=…'; add one like 'number of derivations = 4'",
+        ),
         ("axiom=\nangle=20\nnumber of derivations=3", "line 1, column 7: expected a symbol, found the end"),
         ("axiom=F\n  axiom=G\n", "line 2, column 3: 'axiom' was already given in line 1; keep one of them"),
         ("axiom=F\nangle=1e3\nnumber of derivations=3", "line 2, column 7: 1e3 is out of range: -360 to 360"),
@@ -171,7 +176,7 @@ fn probabilities_may_miss_one_by_a_millionth() {
 #[test]
 fn mistakes_in_an_edited_grammar_are_pointed_at() {
     for (text, message) in [
-        ("", "line 1, column 1: no line says 'axiom=…'"),
+        ("", "line 1, column 1: no line says 'axiom=…'; add one like 'axiom = F'"),
         ("axiom =", "line 1, column 8: expected a symbol, found the end"),
         ("axiom = F\n\nF -> F[+F\n", "line 3, column 7: '[' opens a branch that is never closed"),
         ("axiom = F\n  F -> F]", "line 2, column 9: ']' closes a branch that was never opened"),

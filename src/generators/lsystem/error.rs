@@ -143,10 +143,12 @@ pub enum Problem {
         first_line: usize,
     },
     /// A key that must stand somewhere does not.
-    #[error("no line says '{key}=…'")]
+    #[error("no line says '{key}=…'; add one like '{key} = {like}'")]
     Missing {
         /// The key.
         key: &'static str,
+        /// A value that it may have.
+        like: &'static str,
     },
 }
 

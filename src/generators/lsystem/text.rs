@@ -171,14 +171,16 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
             rules.push(line);
         }
     }
-    let missing = |key| ParseError { line: last_line, column: 1, problem: Problem::Missing { key } };
-    let axiom = axiom.ok_or_else(|| missing(AXIOM))?;
-    let angle = angle.ok_or_else(|| missing(ANGLE))?;
-    let derivations = derivations.ok_or_else(|| missing(DERIVATIONS))?;
+    let missing =
+        |key, like| ParseError { line: last_line, column: 1, problem: Problem::Missing { key, like } };
+    // What is wrong in a line comes before a line that is not there.
+    let angle_deg = angle.map(|angle| angle.real(ANGLE_RANGE_DEG)).transpose()?;
+    let count = derivations.map(|derivations| derivations.whole(MAX_DERIVATIONS)).transpose()?;
+    let grammar = axiom.map(|axiom| grammar(axiom, &rules)).transpose()?;
     Ok(TextGrammar {
-        angle_deg: angle.real(ANGLE_RANGE_DEG)?,
-        derivations: derivations.whole(MAX_DERIVATIONS)?,
-        grammar: grammar(axiom, &rules)?,
+        grammar: grammar.ok_or_else(|| missing(AXIOM, "F"))?,
+        angle_deg: angle_deg.ok_or_else(|| missing(ANGLE, "25"))?,
+        derivations: count.ok_or_else(|| missing(DERIVATIONS, "4"))?,
         comments,
         notes,
     })
@@ -231,7 +233,7 @@ pub fn parse_grammar(text: &str) -> Result<Grammar, ParseError> {
             rules.push(line);
         }
     }
-    let missing = ParseError { line: 1, column: 1, problem: Problem::Missing { key: AXIOM } };
+    let missing = ParseError { line: 1, column: 1, problem: Problem::Missing { key: AXIOM, like: "F" } };
     grammar(axiom.ok_or(missing)?, &rules)
 }
 
