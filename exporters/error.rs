@@ -199,9 +199,13 @@ pub enum ExportError {
 }
 
 /// Formats of the field that linden does not write, and what the programs that read them take instead.
-const FOREIGN: [(&[&str], &str); 5] = [
+const FOREIGN: [(&[&str], &str); 6] = [
     (&["fbx", "dae", "3ds"], "Blender, Unity, Unreal Engine, Maya and Houdini read glb or usda as well"),
     (&["blend"], "Blender reads glb and usda; the program linden-export-blend writes .blend files"),
+    (
+        &["png", "jpg", "jpeg", "webp", "svg", "gif"],
+        "'linden preview' draws pictures: PNG, JPEG, WebP, and SVG of flat plants; 'linden sheet' several trees on one",
+    ),
     (&["abc"], "what reads Alembic reads usda as well"),
     (&["amf"], "slicers read 3mf, stl, obj and ply; --set junction=watertight makes it one closed solid"),
     (&["las", "laz", "e57", "pcd"], "ply-skeleton and qsm hold what is measured of a scan"),
