@@ -47,7 +47,7 @@ pub fn ascii(c: char) -> char {
         '↓' => 'v',
         '✗' => 'x',
         '…' => '~',
-        '⏸' => '=',
+        '‖' => '=',
         '°' => 'd',
         _ => deunicode::deunicode_char(c)
             .and_then(|text| text.chars().next())

@@ -394,7 +394,7 @@ impl DoctorReport {
 fn sample(depth: ColorDepth) -> String {
     const RAMP: u32 = 36;
     let mut text = "  quadrants     ▖▗▘▝ ▙▟▛▜ ▚▞    halves  ▀▄█    frames  ╭─┬─╮ ├┼┤ ╰─┴─╯ ━┃\n\
-                    \x20 braille       ⠁⠃⠇⡇ ⡏⡟⡿⣿ ⢀⣀⣤⣶    marks   ● ▶ ⏸ … · ← → ↑ ↓\n"
+                    \x20 braille       ⠁⠃⠇⡇ ⡏⡟⡿⣿ ⢀⣀⣤⣶    marks   ● ▶ ‖ … · ← → ↑ ↓\n"
         .to_owned();
     if depth == ColorDepth::None {
         return text;

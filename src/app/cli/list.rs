@@ -123,7 +123,7 @@ impl List {
         let ids = rows.iter().filter(|row| row.named.is_none());
         let width = ids.map(|row| row.id.chars().count()).max().unwrap_or(0);
         // Columns by `format!`: rows stand in groups, and crates of tables draw frames that scripts would have to cut.
-        let mut text = format!("  {:width$}  {:12}  {:>7}  {:>7}\n\n", "", "generator", "height", "leaves");
+        let mut text = format!("  {:width$}  {:12}  {:>7}  {:>7}\n\n", "", "generator", "height", "organs");
         let mut group = "";
         for row in &rows {
             if row.group != group {

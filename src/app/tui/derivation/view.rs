@@ -115,10 +115,16 @@ pub fn paint(model: &Model, debugger: &Debugger, buffer: &mut Buffer, view: &mut
     view.answers(rest, rest.y + line);
 }
 
-/// `Derivation 3 of 5 · 1 234 modules`.
+/// `Derivation 3 of 5 · 1 234 modules`, `Derivation 6, 1 beyond the tree's 5`.
 fn title(model: &Model, debugger: &Debugger) -> String {
     let last = last_step(model);
-    let of = last.map(|last| format!(" of {last}")).unwrap_or_default();
+    let of = match last {
+        Some(last) if debugger.step > last => {
+            format!(", {} beyond the tree's {last}", debugger.step - last)
+        }
+        Some(last) => format!(" of {last}"),
+        None => String::new(),
+    };
     let count = match &debugger.word {
         Some(word) if word.request.step == debugger.step => {
             format!(" · {} modules", thousands(word.traced.modules.len() as u64))

@@ -19,7 +19,7 @@ pub fn view(model: &Model, row: Rect, buffer: &mut Buffer, view: &mut View) {
     }
     let theme = &model.config.theme;
     let last = last_step(tree);
-    let mark = if model.growth.is_playing() { "▶" } else { "⏸" };
+    let mark = if model.growth.is_playing() { "▶" } else { "‖" };
     let text = format!(" {mark} {on_screen} ");
     let width = text.width() as u16;
     if width > row.width {

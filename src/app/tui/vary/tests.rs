@@ -485,7 +485,8 @@ fn what_is_said_below_a_picture_is_the_difference() {
     let (now, other) = (size(0), size(1));
     take_in(&mut model, pictures);
     let text = text(&mut model);
-    let more = format!("{:+.1} m tall", other.height_m - now.height_m);
+    let more_m = other.height_m - now.height_m;
+    let more = format!("{:.1} m {}", more_m.abs(), if more_m < 0.0 { "lower" } else { "taller" });
     assert!(text.contains(&more), "{more}\n{text}");
     let percent = ((other.width_m / now.width_m - 1.0) * 100.0).round();
     let word = if percent < 0.0 { "narrower" } else { "wider" };

@@ -200,9 +200,9 @@ fn sizes(size: TreeSize, set: Option<TreeSize>) -> Vec<String> {
         m if m >= 0.3 => 2,
         _ => 3,
     };
-    let taller = match format!("{more_m:+.digits$}") {
-        none if none.trim_start_matches(['+', '-', '0', '.']).is_empty() => "as tall".to_owned(),
-        more => format!("{more} m tall"),
+    let taller = match format!("{:.digits$}", more_m.abs()) {
+        none if none.trim_start_matches(['0', '.']).is_empty() => "as tall".to_owned(),
+        more => format!("{more} m {}", if more_m < 0.0 { "lower" } else { "taller" }),
     };
     let percent = ((size.width_m / set.width_m.max(1e-9) - 1.0) * 100.0).round();
     let wider = match percent {
@@ -219,8 +219,8 @@ fn amounts(picture: &SmallPicture) -> Vec<String> {
     let nodes = format!("{} nodes", thousands(picture.nodes as u64));
     match picture.size.leaves {
         0 => vec![nodes],
-        1 => vec!["1 leaf".to_owned()],
-        leaves => vec![format!("{} leaves", thousands(leaves as u64))],
+        1 => vec!["1 organ".to_owned()],
+        organs => vec![format!("{} organs", thousands(organs as u64))],
     }
 }
 
