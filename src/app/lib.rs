@@ -29,6 +29,7 @@ mod reading;
 mod signals;
 mod source;
 mod system;
+mod triangles;
 mod trust;
 mod tui;
 mod viewpoint;

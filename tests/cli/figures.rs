@@ -125,3 +125,21 @@ fn timings_add_up_and_name_the_files() {
     let said = folder.run(&["export", "simple", "--format", "glb", "-o", "-", "--timings", "--json"]);
     assert!(said.code == Some(2) && said.err.contains("standard output"), "{}", said.err);
 }
+
+#[test]
+fn triangles_are_told_where_some_number_of_them_is_asked_for() {
+    let folder = Folder::new();
+    let args = ["export", "simple", "--set", "bark_size=32", "-o", "t.glb"];
+    let asked = ["--triangles", "4000", "--lods", "2"];
+    assert!(!folder.run(&args).done().out.contains("triangles"));
+    let told = folder.run(&[&args[..], &asked].concat()).done().out;
+    let found = folder.run(&[&args[..], &asked, &["--timings", "--json"]].concat()).done().json();
+    let levels: Vec<u64> =
+        found["triangles"].as_array().unwrap().iter().filter_map(serde_json::Value::as_u64).collect();
+    assert!(levels.len() == 2 && (3800..=4200).contains(&levels[0]), "{found}");
+    let digits: String = told.chars().filter(char::is_ascii_digit).collect();
+    assert!(
+        digits.ends_with(&format!("{}{}", levels[0], levels[1])) && told.ends_with(" triangles\n"),
+        "{told}"
+    );
+}

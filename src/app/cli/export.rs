@@ -16,7 +16,7 @@ use linden_exporters::{Batch, Exporter, REGISTRY};
 use super::ages::aged;
 use super::crew::room_for_pictures;
 use super::forest::{Written, side_by_side};
-use super::outputs::{Files, Outputs, commit, list, of_age, write_age};
+use super::outputs::{Files, Outputs, commit, list_with, of_age, write_age};
 use super::placing::explained;
 use super::plot::{Plot, USUAL_FORMAT};
 use super::scene::SceneFlags;
@@ -27,6 +27,7 @@ use crate::exit::usage;
 use crate::forecast::Outlook;
 use crate::progress::Progress;
 use crate::source::Source;
+use crate::triangles;
 
 /// Grow a source and write it for 3D programs
 ///
@@ -148,6 +149,8 @@ impl Export {
         if self.json && streams > 0 {
             return Err(usage("--json: the file itself is on standard output; write it with -o FILE"));
         }
+        // Each age has its own triangles.
+        let is_one = names.is_empty();
         timings.lap("read");
         let made = Made { settings: &settings, seasons: &seasons, scene: &self.scene };
         if ages.is_empty() {
@@ -166,9 +169,12 @@ impl Export {
         if self.timings && !self.json {
             crate::exit::say(timings.table(&source.shown, &written).trim_end());
         }
+        // Where some number of them was asked for.
+        let is_asked = is_one && !source.recipe.preset.dressing.detail.is_whole();
+        let triangles = triangles::told(timings.triangles()).filter(|_| is_asked);
         match (self.json, streams) {
             (true, _) => super::print(&timings.json(&source.shown, &written)?),
-            (false, 0) => list(&written),
+            (false, 0) => list_with(&written, triangles.as_deref()),
             (false, _) => Ok(()),
         }
     }
@@ -249,6 +255,13 @@ impl Made<'_> {
             (several.stage(), &several.notes)
         };
         super::notes(&of_age(age, notes), progress);
+        let triangles = triangles::of_levels(&stage);
+        let detail = &source.recipe.preset.dressing.detail;
+        super::notes(
+            &of_age(age, &triangles::unmet(&triangles, detail.triangles, &detail.budgets())),
+            progress,
+        );
+        timings.count(triangles);
         let stage = stage.turned_by(self.settings.iter().map(|(name, _)| name.as_str()));
         let stage = self.scene.around(stage, progress)?;
         // Scenes have taken what they need of it.

@@ -284,10 +284,16 @@ pub fn commit(batch: Batch, progress: &Progress) -> anyhow::Result<Vec<Written>>
 
 /// Lists files on standard output.
 pub fn list(written: &[Written]) -> anyhow::Result<()> {
+    list_with(written, None)
+}
+
+/// The same with what is said of all of them behind the first.
+pub fn list_with(written: &[Written], told: Option<&str>) -> anyhow::Result<()> {
     let mut lines = String::new();
-    for file in written {
+    for (i, file) in written.iter().enumerate() {
         let size = indicatif::BinaryBytes(file.bytes);
-        lines.push_str(&format!("{}  {size}\n", crate::paths::show(&file.path)));
+        let told = told.filter(|_| i == 0).map(|told| format!("  {told}")).unwrap_or_default();
+        lines.push_str(&format!("{}  {size}{told}\n", crate::paths::show(&file.path)));
     }
     super::print(&lines)
 }

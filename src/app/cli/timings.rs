@@ -14,6 +14,7 @@ pub struct Timings {
     /// When the step under way began, and what all threads had worked then.
     last: (Instant, Option<Duration>),
     steps: Vec<Step>,
+    triangles: Vec<u64>,
 }
 
 /// The names of `--json`: scripts rely on them.
@@ -42,6 +43,8 @@ struct Report<'a> {
     cache: Option<Kept>,
     /// In their order, one after the other: together they take as long as the whole.
     steps: &'a [Step],
+    /// Of each level, finest first.
+    triangles: &'a [u64],
     files: Vec<File>,
 }
 
@@ -64,7 +67,7 @@ impl Timings {
     /// Starts the clock.
     pub fn new() -> Self {
         let now = Instant::now();
-        Self { started: now, last: (now, cpu_time()), steps: Vec::new() }
+        Self { started: now, last: (now, cpu_time()), steps: Vec::new(), triangles: Vec::new() }
     }
 
     /// The step that is over now.
@@ -73,6 +76,16 @@ impl Timings {
         let cpu_seconds = worked.zip(self.last.1).map(|(now, then)| now.saturating_sub(then).as_secs_f64());
         self.steps.push(Step { name, seconds: (now - self.last.0).as_secs_f64(), cpu_seconds });
         self.last = (now, worked);
+    }
+
+    /// The triangles of each level that is written, finest first.
+    pub fn count(&mut self, triangles: Vec<u64>) {
+        self.triangles = triangles;
+    }
+
+    /// What was counted.
+    pub fn triangles(&self) -> &[u64] {
+        &self.triangles
     }
 
     fn report<'a>(&'a self, source: &'a str, written: &[Written]) -> Report<'a> {
@@ -86,6 +99,7 @@ impl Timings {
             peak_memory_bytes: peak_memory(),
             cache: cache::counts().map(|cache::Counts { hits, misses }| Kept { hits, misses }),
             steps: &self.steps,
+            triangles: &self.triangles,
             files: written.iter().map(file).collect(),
         }
     }

@@ -18,6 +18,7 @@ use crate::exit;
 use crate::paths::expand;
 use crate::paths::show;
 use crate::portrait::{Sitters, is_apart, write_apart};
+use crate::triangles;
 use linden_exporters::{Batch, Output};
 
 /// What to export.
@@ -86,6 +87,8 @@ pub enum ExportNews {
         number: u64,
         /// Absolute paths, as far as the system tells, and lengths in bytes.
         files: Vec<(PathBuf, u64)>,
+        /// Triangles of each level of a tree that was written, finest first; none of a forest, nor of pictures alone.
+        triangles: Vec<u64>,
         /// What the user should know.
         notes: Vec<String>,
     },
@@ -133,15 +136,19 @@ const DRESSING: f64 = 0.3;
 pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) {
     let number = order.number;
     say(match export(order, watcher) {
-        Ok((files, notes)) => ExportNews::Done { number, files, notes },
+        Ok(Exported { files, triangles, notes }) => ExportNews::Done { number, files, triangles, notes },
         // Whatever failed then, failed because of it.
         Err(_) if watcher.is_cancelled() => ExportNews::Cancelled { number },
         Err(error) => ExportNews::Failed { number, why: exit::sentence(&error) },
     });
 }
 
-/// Files with their lengths, and notes.
-type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
+/// What [`ExportNews::Done`] says.
+struct Exported {
+    files: Vec<(PathBuf, u64)>,
+    triangles: Vec<u64>,
+    notes: Vec<String>,
+}
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
     let ExportOrder {
@@ -173,13 +180,16 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let gauge = Gauge::new(watcher);
     let how = HowExported { planned: &planned, scene, turned: &turned, seasons: &seasons };
     let mut notes = draw_apart(&subject, planned.is_empty(), &mut batch, &gauge)?;
+    let mut triangles = Vec::new();
     if !batch.is_written() {
-        notes.extend(match &subject {
+        match &subject {
             ExportSubject::Tree { recipe, shown } => {
-                write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?
+                let told;
+                (told, triangles) = write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?;
+                notes.extend(told);
             }
-            ExportSubject::Forest(forest) => write_forest(forest, &how, &mut batch, &gauge)?,
-        });
+            ExportSubject::Forest(forest) => notes.extend(write_forest(forest, &how, &mut batch, &gauge)?),
+        }
     }
     // What came to be there meanwhile was not asked about.
     for (path, replaced) in targets.iter().zip(replaced) {
@@ -194,7 +204,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     watcher.check()?;
     let files = batch.commit()?.into_iter().map(|file| (absolute(file.path), file.bytes)).collect();
     notes.dedup();
-    Ok((files, notes))
+    Ok(Exported { files, triangles, notes })
 }
 
 /// What a subject is exported with.
@@ -248,14 +258,14 @@ fn draw_apart(
     Ok(notes)
 }
 
-/// Grows a tree where that is still to be done, dresses and writes it; gives the notes.
+/// Grows a tree where that is still to be done, dresses and writes it; gives the notes, and its triangles by levels.
 fn write_tree(
     recipe: &Recipe,
     shown: Option<&ShownTree>,
     how: &HowExported<'_>,
     batch: &mut Batch,
     gauge: &Gauge<'_>,
-) -> anyhow::Result<Vec<String>> {
+) -> anyhow::Result<(Vec<String>, Vec<u64>)> {
     let again: Grown;
     let grown = match shown {
         Some(shown) => &shown.grown,
@@ -287,8 +297,11 @@ fn write_tree(
     let mut notes = grown.notes.clone();
     notes.extend_from_slice(said);
     notes.extend(how.idle(recipe));
+    let triangles = triangles::of_levels(&stage);
+    let detail = &recipe.preset.dressing.detail;
+    notes.extend(triangles::unmet(&triangles, detail.triangles, &detail.budgets()));
     write_files(&how.stage(stage), &bytes, batch, gauge, &mut notes)?;
-    Ok(notes)
+    Ok((notes, triangles))
 }
 
 /// Grows a forest and writes it; gives the notes.

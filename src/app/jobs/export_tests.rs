@@ -262,3 +262,18 @@ fn on_its_lane_it_is_cancelled_by_the_lane() {
     });
     assert!(matches!(heard, Some(ExportNews::Done { number: 7, .. })), "{heard:?}");
 }
+
+#[test]
+fn triangles_of_all_levels_are_those_of_the_budget() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut asked = order(dir.path(), &["glb"]);
+    let mut preset = recipe("simple").preset.clone();
+    for (name, value) in [("triangles", "4000"), ("lods", "2")] {
+        preset.set(name, value).unwrap();
+    }
+    asked.subject = ExportSubject::Tree { recipe: Arc::new(Recipe::new(preset)), shown: None };
+    let ExportNews::Done { triangles, notes, .. } = ran(asked, &Quiet) else { panic!() };
+    assert_eq!(triangles.len(), 2);
+    assert!((3800..=4200).contains(&triangles[0]) && triangles[1] < triangles[0] / 2, "{triangles:?}");
+    assert!(notes.iter().all(|note| !note.contains("not met")), "{notes:?}");
+}

@@ -47,6 +47,7 @@ mod wind;
 mod wood;
 
 pub use commands::key_table;
+pub use figures::thousands;
 pub use runtime::{End, StartOptions, run};
 
 #[cfg(test)]

@@ -72,7 +72,9 @@ fn files(model: &Model) -> Page {
         let bytes = indicatif::BinaryBytes(report.files.iter().map(|(_, bytes)| bytes).sum());
         let count = report.files.len();
         let noun = if count == 1 { "file" } else { "files" };
-        lines.push(PageLine::Heading(format!("{count} {noun}, {bytes}")));
+        let triangles = report.triangles.as_ref().map(|triangles| format!(", {triangles}"));
+        let heading = format!("{count} {noun}, {bytes}{}", triangles.unwrap_or_default());
+        lines.push(PageLine::Heading(heading));
         for (path, bytes) in &report.files {
             let size = indicatif::BinaryBytes(*bytes).to_string();
             lines.push(text(Weight::Note, format!("{size:>12}  {}", path.to_string_lossy())));

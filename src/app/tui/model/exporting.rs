@@ -71,6 +71,8 @@ pub struct RunningExport {
 pub struct ExportReport {
     /// What was written, and how many bytes each has.
     pub files: Vec<(PathBuf, u64)>,
+    /// `19 964 / 6 700 triangles`, where it is of a tree.
+    pub triangles: Option<String>,
     /// What a format could not hold.
     pub notes: Vec<String>,
 }
