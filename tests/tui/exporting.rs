@@ -120,7 +120,7 @@ fn what_is_turned_for_an_export_alone_is_in_its_file_and_not_on_screen() {
         workbench.keys("\r");
         workbench.wait_for_text(&format!("●{row}"));
     }
-    workbench.wait_for_text("another tree than on screen");
+    workbench.wait_for_text("its size is known when it is written");
     workbench.keys("x");
     let there = eventually("the file", || fs::read(home.file("dressed-simple.glb")).ok());
     let set = ["--set", "season=0.6", "--set", "lods=2"];

@@ -96,13 +96,15 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["y"],
         title: "Copy command",
-        help: "Copies the command line that exports what is on screen, to where the export dialog has it (through the terminal, so over SSH too)",
+        help: "Copies the command line that makes the files of the export dialog, with what is set there (through the terminal, so over SSH too)",
         hint: Some(50),
         hindrance: without_form,
         run: |model, effects| {
             model.end_comparison();
-            let of_tree = model.tree.as_ref().map(|tree| yank::command_line(tree, export::target(model)));
-            let of_forest = || model.forest.as_ref().and_then(yank::forest_command_line);
+            let words = || export::words(model);
+            let of_tree = model.tree.as_ref().map(|tree| yank::command_line(tree, words()));
+            let of_forest =
+                || model.forest.as_ref().and_then(|forest| yank::forest_command_line(forest, words()));
             let Some(text) = of_tree.or_else(of_forest) else {
                 return model.say_warning("the forest's file has a name that no terminal should be given");
             };

@@ -1,34 +1,49 @@
 //! The command line and the recipe of what is on screen.
 
+use crate::tui::export::ExportWords;
 use crate::tui::forest::ForestOnScreen;
 use crate::tui::tree::{Tree, TreePlace};
 
-/// A command line that exports what is on screen, for a shell; to `target`, or where there is none to a file of its
-/// id.
-pub fn command_line(tree: &Tree, target: Option<String>) -> String {
-    let target = target.unwrap_or_else(|| format!("{}.glb", stem(&tree.preset().id)));
+/// A command line that exports what is on screen, for a shell, as the dialog would; without one to a file of its id.
+pub fn command_line(tree: &Tree, words: Option<ExportWords>) -> String {
+    let words = words.unwrap_or_else(|| ExportWords::to(&tree.preset().id));
     let Some((overrides, source)) = tree.overrides().zip(source_word(&tree.place)) else {
         // What knobs cannot say goes along as a whole.
         let recipe = tree.recipe().to_line();
-        let target = shell_words::quote(&target);
-        return format!("linden export - -o {target} <<'END'\n{recipe}\nEND");
+        return format!("{} <<'END'\n{recipe}\nEND", joined("export", "-".to_owned(), Vec::new(), words));
     };
-    joined("export", source, target, overrides)
+    joined("export", source, overrides, words)
 }
 
 /// The command line that writes a forest; `None` where its file has a name that no terminal should be given.
-pub fn forest_command_line(forest: &ForestOnScreen) -> Option<String> {
-    let target = format!("{}.glb", stem(&forest.wanted().id));
-    Some(joined("forest", source_word(&forest.place)?, target, forest.overrides()))
+pub fn forest_command_line(forest: &ForestOnScreen, words: Option<ExportWords>) -> Option<String> {
+    let words = words.unwrap_or_else(|| ExportWords::to(&forest.wanted().id));
+    Some(joined("forest", source_word(&forest.place)?, forest.overrides(), words))
 }
 
-fn joined(command: &str, source: String, target: String, overrides: Vec<(&'static str, String)>) -> String {
-    let mut words = vec!["linden".to_owned(), command.to_owned(), source, "-o".to_owned(), target];
-    for (name, value) in overrides {
-        words.push("--set".to_owned());
-        words.push(format!("{name}={value}"));
+fn joined(
+    command: &str,
+    source: String,
+    overrides: Vec<(&'static str, String)>,
+    said: ExportWords,
+) -> String {
+    let mut words = vec!["linden".to_owned(), command.to_owned(), source];
+    words.extend(said.outputs);
+    // What is turned for the export alone comes instead of what is on screen.
+    let is_turned = |name: &str| said.knobs.iter().any(|(turned, _)| *turned == name);
+    let kept = overrides.into_iter().filter(|(name, _)| !is_turned(name));
+    for (name, value) in kept.chain(said.knobs.iter().cloned()) {
+        words.extend(["--set".to_owned(), format!("{name}={value}")]);
     }
+    words.extend(said.options);
     shell_words::join(words)
+}
+
+impl ExportWords {
+    /// To a file of an id, as linden usually writes.
+    fn to(id: &str) -> Self {
+        Self { outputs: vec!["-o".to_owned(), format!("{}.glb", stem(id))], ..Self::default() }
+    }
 }
 
 /// What names a place on a command line; `None` for a path that a terminal would obey.

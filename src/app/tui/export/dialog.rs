@@ -133,6 +133,13 @@ impl FormatChoice {
         let spec = self.exporter.format().options.get(index)?;
         Some((spec, self.options.iter().nth(index)?.1))
     }
+
+    /// The options that are not as they are by themselves.
+    pub fn turned(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        let rows = self.exporter.format().options.iter().zip(self.options.iter());
+        rows.filter(|(spec, (_, value))| spec.knob.kind.parse(spec.default).as_ref() != Ok(*value))
+            .map(|(spec, (_, value))| (spec.knob.name, value))
+    }
 }
 
 impl ExportDialog {

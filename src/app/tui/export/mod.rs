@@ -167,7 +167,7 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
     let all = if model.forest.is_some() { formats_of_forests() } else { formats() };
     let tree = model.tree.as_ref().map(Tree::wanted);
-    let kept = model.exporting.kept.as_ref().filter(|kept| Some(&kept.place) == model.place());
+    let kept = model.exporting.kept_of(model.place());
     let choices = kept.map_or(&model.exporting.last, |kept| &kept.choices);
     let mut dialog = ExportDialog::new(choices, id, &all, tree);
     let named = model.exporting.named.as_ref().filter(|named| Some(&named.place) == model.place());
@@ -181,21 +181,63 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     Some(dialog)
 }
 
-/// Where the dialog would write the tree on screen, for a command line: in the first chosen format that is known by
-/// its ending, or else in the usual one.
-pub fn target(model: &Model) -> Option<String> {
+/// What a command line says that makes the files of the dialog.
+#[derive(Debug, Default)]
+pub struct ExportWords {
+    /// Where to, and in which formats where the names of the files do not tell.
+    pub outputs: Vec<String>,
+    /// Knobs that the dialog turns.
+    pub knobs: Vec<(&'static str, String)>,
+    /// Options of formats, seasons, and what stands around.
+    pub options: Vec<String>,
+}
+
+/// What the dialog would write of what is on screen, for a command line: the chosen formats that it has, or else the
+/// usual one. Pictures are drawn by another command.
+pub fn words(model: &Model) -> Option<ExportWords> {
     let dialog = new_dialog(model)?;
-    let is_told = |choice: &&FormatChoice| {
-        let ending = std::path::Path::new(&choice.target).extension().and_then(|ending| ending.to_str());
-        ending == Some(choice.exporter.format().id)
+    let known = crate::formats::exporters();
+    let is_known =
+        |choice: &&FormatChoice| known.iter().any(|known| known.format().id == choice.exporter.format().id);
+    let path_of = |choice: &FormatChoice| {
+        let path = expand(choice.target.trim(), std::env::home_dir().as_deref());
+        path.to_str()
+            .filter(|path| !path.is_empty() && linden::knob::printable(path) == **path)
+            .map(str::to_owned)
     };
-    let linden_s = |choice: &&FormatChoice| {
-        crate::formats::exporters().iter().any(|known| known.format().id == choice.exporter.format().id)
-    };
-    let chosen = dialog.chosen().filter(linden_s).find(is_told);
-    let choice = chosen.or_else(|| dialog.formats.iter().find(is_told))?;
-    let path = expand(choice.target.trim(), std::env::home_dir().as_deref());
-    path.to_str().filter(|path| linden::knob::printable(path) == **path).map(str::to_owned)
+    let mut written: Vec<&FormatChoice> = dialog.chosen().filter(is_known).collect();
+    if written.is_empty() {
+        written.extend(dialog.formats.iter().find(|choice| choice.exporter.format().id == USUAL.format().id));
+    }
+    let mut words = ExportWords::default();
+    let (mut formats, mut is_told) = (Vec::new(), true);
+    for choice in written {
+        let format = choice.exporter.format();
+        let Some(path) = path_of(choice) else { continue };
+        let of_name = crate::formats::for_path(std::path::Path::new(&path));
+        is_told &= of_name.is_ok_and(|other| other.format().id == format.id);
+        formats.push(format.id);
+        words.outputs.extend(["-o".to_owned(), path]);
+        for (name, value) in choice.turned() {
+            words.options.extend(["--set".to_owned(), format!("{}.{name}={value}", format.id)]);
+        }
+    }
+    if formats.is_empty() {
+        return None;
+    }
+    if !is_told {
+        words.outputs.extend(["--format".to_owned(), formats.join(",")]);
+    }
+    if let Some(knobs) = &dialog.knobs {
+        words.knobs.extend(knobs.turned());
+        if !dialog.seasons.trim().is_empty() {
+            words.options.extend(["--seasons".to_owned(), dialog.seasons.trim().to_owned()]);
+        }
+    }
+    if dialog.scene {
+        words.options.push("--scene".to_owned());
+    }
+    Some(words)
 }
 
 /// How the picture on screen is seen, as options of pictures: what was turned or chosen there. What was not is left to
@@ -302,11 +344,12 @@ fn start(model: &mut Model, effects: &mut Effects) {
     let seasons = dialog.chosen_seasons();
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let targets = dialog.targets();
+    let kept = model.place().cloned().map(|place| dialog.kept(place));
     let named = model.place().cloned().map(|place| NamedFiles { place, targets });
     let exporting = &mut model.exporting;
     exporting.named = named;
     exporting.last = last;
-    exporting.kept = None;
+    exporting.kept = kept;
     exporting.numbers += 1;
     let number = exporting.numbers;
     exporting.waiting.push_back(ExportOrder {

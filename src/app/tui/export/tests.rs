@@ -131,7 +131,7 @@ impl ExportBench {
 
     fn go_to(&mut self, wanted: ExportSpot) {
         self.keys("g");
-        for _ in 0..50 {
+        for _ in 0..90 {
             if self.dialog().cursor == wanted {
                 return;
             }
@@ -771,8 +771,12 @@ fn knobs_are_turned_for_one_export_and_its_size_is_not_promised() {
     let (recipe, shown) = tree_of(&order);
     assert_eq!((recipe.preset.dressing.detail.triangles, shown.is_none()), (90, true));
     assert!(order.turned.contains(&"triangles"));
-    // The next dialog is that of the tree again; and what is set back is the tree.
+    // What is set back is the tree again.
     bench.keys("e");
+    bench.go_to(ExportSpot::Knob(0));
+    bench.keys("enter");
+    bench.retype("0");
+    bench.keys("enter");
     let text = bench.text(100, 50);
     assert!(!text.contains('●') && text.contains(" vertices, "), "{text}");
     bench.go_to(ExportSpot::Knob(1));
@@ -953,4 +957,96 @@ fn the_name_of_a_file_is_kept_for_its_tree_and_is_that_of_the_copied_command() {
     bench.model.tree = Some(Tree::new(TreePlace::Builtin("fir"), Recipe::new(preset)));
     bench.keys("e");
     assert_eq!(bench.dialog().formats[glb].target, bench.at("fir.glb"));
+}
+
+#[test]
+fn what_was_set_stays_with_the_tree_after_an_export_until_it_is_reverted() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    bench.go_to(ExportSpot::Knob(0));
+    bench.keys("enter");
+    bench.retype("1234");
+    bench.keys("enter");
+    assert!(bench.text(100, 30).contains("● triangles 1234: its size is known"), "{}", bench.text(100, 30));
+    let triangles = |order: &ExportOrder| tree_of(order).0.preset.dressing.detail.triangles;
+    for _ in 0..2 {
+        let order = ExportBench::order(bench.keys("x"));
+        assert_eq!(triangles(&order), 1234, "the next one is as small");
+        bench.send(Msg::Export(ExportNews::Cancelled { number: order.number }));
+        bench.keys("e");
+    }
+    // Saved as one of the user's it is the same tree.
+    bench.keys("esc");
+    let path = bench.dir.path().join("mine.toml");
+    bench.send(Msg::Saved(Ok(("mine".to_owned(), path))));
+    bench.keys("e");
+    assert!(bench.text(100, 30).contains("● triangles 1234"));
+    bench.keys("esc R e");
+    assert!(bench.dialog().knobs.as_ref().unwrap().is_idle(), "R takes it back");
+}
+
+#[test]
+fn the_copied_command_makes_the_files_of_the_dialog() {
+    let mut bench = ExportBench::new();
+    bench.model.tree.as_mut().unwrap().set("seed", "7", Instant::now()).unwrap();
+    bench.keys("e");
+    bench.go_to(ExportSpot::Format(place_of("ply-skeleton")));
+    bench.keys("space");
+    bench.go_to(option_of("glb", "pictures"));
+    bench.keys("space");
+    bench.go_to(ExportSpot::Knob(0));
+    bench.keys("enter");
+    bench.retype("1234");
+    bench.keys("enter");
+    bench.go_to(ExportSpot::Seasons);
+    bench.keys("enter");
+    bench.retype("summer,bare");
+    bench.keys("enter");
+    // Above the button, behind more rows than `go_to` goes along.
+    bench.keys("G k space esc");
+    let effects = bench.keys("y");
+    let [Effect::Copy(line)] = &effects[..] else { panic!("{effects:?}") };
+    let words = shell_words::split(line).unwrap();
+    let skeleton =
+        bench.at(&linden_exporters::default_name("older-c", super::formats()[place_of("ply-skeleton")]));
+    let glb = bench.at("older-c.glb");
+    let mut wanted = vec!["linden", "export", "older-c", "-o", &glb, "-o", &skeleton];
+    // In the order of the registry.
+    if place_of("ply-skeleton") < place_of("glb") {
+        (wanted[4], wanted[6]) = (&skeleton, &glb);
+    }
+    wanted.extend(["--set", "seed=7", "--set", "triangles=1234", "--set", "glb.pictures=false"]);
+    wanted.extend(["--seasons", "summer,bare", "--scene"]);
+    let plain: Vec<&str> = words.iter().map(String::as_str).filter(|word| *word != "--format").collect();
+    let plain: Vec<&str> =
+        plain.into_iter().filter(|word| !word.contains("glb,") && !word.contains(",glb")).collect();
+    assert_eq!(plain, wanted);
+}
+
+#[test]
+fn the_keys_that_matter_stay_in_the_smallest_window() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    let text = bench.text(40, 12);
+    let footer = text.lines().last().unwrap();
+    assert!(footer.contains("x Export") && footer.contains("Esc Close"), "{text}");
+    fs::write(bench.at("older-c.glb"), "before").unwrap();
+    bench.keys("x");
+    let text = bench.text(40, 12);
+    let footer = text.lines().last().unwrap();
+    for hint in ["y Yes", "n No", "Esc Close"] {
+        assert!(footer.contains(hint), "{text}");
+    }
+}
+
+#[test]
+fn what_was_exported_says_its_triangles() {
+    let mut bench = ExportBench::new();
+    bench.keys("e x");
+    let files = vec![("/a/fir.glb".into(), 1 << 20)];
+    let triangles = vec![19_964, 6700];
+    bench.send(Msg::Export(ExportNews::Done { number: 1, files, triangles, notes: Vec::new() }));
+    assert_eq!(bench.said().1, "exported /a/fir.glb, 1.00 MiB, 19 964 / 6 700 triangles");
+    bench.keys("F");
+    assert!(bench.text(100, 30).contains("1 file, 1.00 MiB, 19 964 / 6 700 triangles"));
 }

@@ -14,6 +14,7 @@ use unicode_width::UnicodeWidthStr;
 
 use super::current;
 use super::dialog::{self, ExportDialog, ExportSpot, FormatChoice, StartState};
+use super::knobs::ExportKnobs;
 use crate::jobs::{TargetFinding, WHOLE};
 use crate::paths::expand;
 use crate::tui::chrome::popup::{popup, scrollbar};
@@ -49,7 +50,7 @@ const SHORT: usize = 18;
 
 /// What the list of seasons is for, and how it is typed.
 const SEASONS: &str = "several seasons at once: in one file where the format holds them, else a file each";
-const SEASONS_HOW: &str = "summer,autumn or spring=0.05,winter or all; empty: as it is on screen";
+const SEASONS_HOW: &str = "summer,autumn or spring=0.05,bare or all; empty: as it is on screen";
 /// What the switch is for.
 const SCENE: &str = "with a camera that frames it, sun, sky and ground, in formats that hold them";
 
@@ -147,8 +148,7 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         match &model.forest {
             Some(forest) => forest_row(model, forest, row, buffer),
             None if dialog.is_another_tree() => {
-                let text = "another tree than on screen: its size is known when it is written";
-                heading_text(text, row, model.config.theme.popup_dim, buffer);
+                heading_text(&set_here(dialog), row, model.config.theme.modified, buffer);
             }
             None => match growth::warning(model) {
                 Some(warning) => heading_text(&warning, row, model.config.theme.warning, buffer),
@@ -183,6 +183,16 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
         }
     };
     heading_text(&text, area, model.config.theme.popup_dim, buffer);
+}
+
+/// What is set for this export alone, which may stand far below.
+fn set_here(dialog: &ExportDialog) -> String {
+    let knobs = dialog.knobs.iter().flat_map(ExportKnobs::turned);
+    let mut set: Vec<String> = knobs.map(|(name, value)| format!("{name} {value}")).collect();
+    if !dialog.seasons.is_empty() {
+        set.push(format!("seasons {}", linden::knob::printable(&dialog.seasons)));
+    }
+    format!("● {}: its size is known when it is written", set.join(", "))
 }
 
 fn heading_text(text: &str, area: Rect, style: Style, buffer: &mut Buffer) {

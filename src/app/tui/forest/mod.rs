@@ -202,8 +202,10 @@ pub fn saved(model: &mut Model, saved: Result<PathBuf, String>, effects: &mut Ef
         Ok(path) => {
             model.say(format!("saved in {}", crate::paths::show(&path)));
             if let Some(forest) = &mut model.forest {
+                let from = forest.place.clone();
                 forest.was_saved(path.clone());
                 let place = forest.place.clone();
+                model.exporting.moved(Some(&from), &place);
                 // The list has it at once; its name is read from the file.
                 model.library.add_forest(path, forest.wanted(), "");
                 model.library.select_place(&place);

@@ -18,7 +18,7 @@ const LEAVING: Duration = Duration::from_secs(8);
 pub struct Exporting {
     /// What was chosen last.
     pub last: session::ExportChoices,
-    /// What was set in the dialog when it was closed without an export.
+    /// What is set in the dialog for what was exported last, or left it with Esc.
     pub kept: Option<KeptExport>,
     /// Where the files of what is on screen went last.
     pub named: Option<NamedFiles>,
@@ -86,6 +86,20 @@ impl Exporting {
     /// What was chosen last, for next time.
     pub fn to_session(&self) -> session::ExportChoices {
         self.last.clone()
+    }
+
+    /// What is set in the dialog for what comes from a place.
+    pub fn kept_of(&self, place: Option<&TreePlace>) -> Option<&KeptExport> {
+        self.kept.as_ref().filter(|kept| Some(&kept.place) == place)
+    }
+
+    /// What comes from `from` was saved as `to`: what was set for its export goes along.
+    pub fn moved(&mut self, from: Option<&TreePlace>, to: &TreePlace) {
+        let kept = self.kept.iter_mut().map(|kept| &mut kept.place);
+        let named = self.named.iter_mut().map(|named| &mut named.place);
+        for place in kept.chain(named).filter(|place| Some(&**place) == from) {
+            *place = to.clone();
+        }
     }
 
     /// Whether an export is under way.

@@ -334,9 +334,12 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["R"],
         title: "Revert all",
-        help: "Gives all knobs the saved preset's values back; undo leads back",
+        help: "Gives all knobs the saved preset's values back; undo leads back. What is set for exports goes, too",
         hint: None,
         hindrance: |model| {
+            if model.exporting.kept_of(model.place()).is_some_and(|kept| !kept.knobs.is_empty()) {
+                return None;
+            }
             either(
                 model,
                 Tree::is_modified,
@@ -352,6 +355,7 @@ pub const COMMANDS: &[Command] = &[
                 let saved = tree.saved().preset.clone();
                 tree.replace(saved);
             }
+            model.exporting.kept = None;
         },
     },
     Command {

@@ -354,6 +354,7 @@ pub fn saved(model: &mut Model, saved: Result<(String, PathBuf), String>, effect
                 let from = tree.place.clone();
                 let renamed = |recipe: &_| save::renamed(recipe, &from, &id, &path);
                 tree.was_saved(TreePlace::File(path.clone()), renamed);
+                model.exporting.moved(Some(&from), &tree.place);
                 // The list has it at once, not only when the folder was read again.
                 model.library.add_file(path.clone(), tree.preset());
                 model.library.select_place(&tree.place);
