@@ -186,15 +186,22 @@ pub const COMMANDS: &[Command] = &[
         Some(12),
         |m, _| with_model(m, ExportDialog::enter),
     ),
-    row("export-start", &["x", "ctrl-s"], "Export", "Starts the export, from any row", Some(14), |m, _| {
-        with_model(m, ExportDialog::press_start);
-    }),
+    Command {
+        id: "export-start",
+        context: dialog::CONTEXT,
+        keys: &["x", "ctrl-s"],
+        title: "Export",
+        help: "Starts the export, from any row",
+        hint: Some(89),
+        hindrance: |model| asks(model).then(|| "y is yes, n is no".to_owned()),
+        run: |m, _| with_model(m, ExportDialog::press_start),
+    },
     row(
         "export-close",
         &["esc", "q"],
         "Close",
         "Closes the dialog, or takes the question back; what was set is there again when it opens on the same tree",
-        Some(20),
+        Some(89),
         |m, effects| {
             if asks(m) {
                 with(m, |dialog| dialog.start = StartState::Idle);
@@ -214,7 +221,7 @@ pub const COMMANDS: &[Command] = &[
         Some(11),
         |m, _| with(m, ExportDialog::complete),
     ),
-    line("export-line-cancel", &["esc"], "Cancel", "Leaves the line as it was", Some(12), |m, _| {
+    line("export-line-cancel", &["esc"], "Cancel", "Leaves the line as it was", Some(90), |m, _| {
         with(m, |dialog| dialog.line = None);
     }),
 ];

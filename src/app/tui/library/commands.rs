@@ -210,7 +210,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["esc"],
         title: "Show all presets",
         help: "Drops the filter",
-        hint: None,
+        hint: Some(22),
         hindrance: |model| model.library.filter.is_empty().then(|| "no filter is set".to_owned()),
         run: |model, effects| set_filter(model, "", effects),
     },
