@@ -268,5 +268,6 @@ pub fn wake_at(model: &Model) -> Option<Instant> {
     let message = model.message.as_ref().map(|message| message.until);
     let quiet = picture::waits_for_quiet(model).then(|| model.last_input + QUIET);
     let frames = [picture::next_frame(model), model.growth.next_frame(), wind::next_frame(model)];
-    [message, quiet].into_iter().chain(frames).flatten().min()
+    let grey = picture::next_grey(model);
+    [message, quiet, grey].into_iter().chain(frames).flatten().min()
 }

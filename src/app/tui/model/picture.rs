@@ -83,6 +83,8 @@ pub struct PictureState {
     pub painted: Option<Box<Painted>>,
     /// Whether that is of what was chosen before, until there is a picture of what is chosen now.
     pub is_of_before: bool,
+    /// When what it shows was left for something else.
+    pub left_at: Option<Instant>,
     /// Whether the last one that was asked for could not be drawn.
     pub has_failed: bool,
     /// What stays framed while something is dragged, which would run away from the pointer otherwise.
@@ -110,6 +112,7 @@ impl Default for PictureState {
             turning: None,
             painted: None,
             is_of_before: false,
+            left_at: None,
             has_failed: false,
             frozen: None,
             drag: None,

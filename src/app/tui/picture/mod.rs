@@ -31,6 +31,8 @@ const FRAME: Duration = Duration::from_millis(66);
 const FRAME_REMOTE: Duration = Duration::from_millis(250);
 /// A full picture that takes less is drawn at once, without a draft before it.
 const FAST: Duration = Duration::from_millis(14);
+/// How long the picture of the tree before stands as it is: what comes sooner would flicker.
+const GREYS: Duration = Duration::from_millis(250);
 /// Degrees a cell of dragging.
 const DRAG_DEG: f32 = 3.0;
 
@@ -94,7 +96,11 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
+    let now = model.now;
     let picture = &mut model.picture;
+    if !(picture.is_of_before && picture.painted.is_some()) {
+        picture.left_at = Some(now);
+    }
     picture.is_of_before = picture.painted.is_some();
     picture.has_failed = false;
     (picture.drag, picture.level, picture.frozen, picture.slice_m) = (None, None, None, None);
@@ -227,8 +233,33 @@ fn levels(model: &Model) -> usize {
 }
 
 fn detail(model: &Model) -> Detail {
-    let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
+    let is_recent = model.now < model.last_input + QUIET;
+    let hurried = !model.picture.fast && (is_moving(model) || is_recent || lacks_its_own(model));
     if hurried { Detail::Draft } else { Detail::Full }
+}
+
+/// Whether nothing of what is chosen was drawn yet: a draft of it comes before all else, but on a network, where it
+/// would cost what the full picture costs.
+fn lacks_its_own(model: &Model) -> bool {
+    let picture = &model.picture;
+    (picture.is_of_before || picture.painted.is_none()) && !model.terminal.remote.value
+}
+
+/// When the picture of the tree before is greyed; `None` where there is none, and on a network.
+fn greys_at(model: &Model) -> Option<Instant> {
+    let picture = &model.picture;
+    let since = picture.left_at.filter(|_| picture.is_of_before && !model.terminal.remote.value);
+    since.map(|left| left + GREYS)
+}
+
+/// When that happens by itself.
+pub fn next_grey(model: &Model) -> Option<Instant> {
+    greys_at(model).filter(|at| *at > model.now)
+}
+
+/// Whether the picture on screen is that of another tree, and stands so long that it might be taken for this one's.
+fn is_grey(model: &Model) -> bool {
+    greys_at(model).is_some_and(|at| at <= model.now)
 }
 
 /// What is on screen: until the next tree's picture is there, that of the one before, which a slow line would
@@ -242,7 +273,8 @@ fn standing(model: &Model) -> Option<&Painted> {
 
 /// The picture as pixels, where there are such, and the cells that it covers.
 pub fn graphic(model: &Model) -> Option<(Rect, Arc<Encoded>)> {
-    let painted = standing(model)?;
+    // Pixels cannot be greyed: the cells below them are.
+    let painted = standing(model).filter(|_| !is_grey(model))?;
     let area = area(model)?;
     let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
     Some((area, Arc::clone(data)))

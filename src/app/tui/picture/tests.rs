@@ -152,3 +152,33 @@ fn growing_says_which_tree_of_several_it_is_at() {
     let several = says(Some(("tree", 3, 24)));
     assert!(several.contains("tree 3 of 24: surfacing 1 200 of 3 400 axes"), "{several}");
 }
+
+#[test]
+fn a_draft_comes_first_however_long_the_tree_grew() {
+    let mut bench = Bench::grown(120, 40);
+    bench.keys("j");
+    bench.load();
+    bench.wait(Duration::from_secs(5));
+    let recipe = Arc::clone(bench.model.tree.as_ref().unwrap().wanted());
+    let grown = crate::jobs::grow_shown(&recipe, &crate::jobs::Watcher::idle()).unwrap();
+    bench.model.picture.fast = false;
+    bench.msg(Msg::Grown(grown));
+    assert_eq!(wanted(&bench.model).unwrap().detail, Detail::Draft);
+    bench.settle();
+    let painted = bench.model.picture.painted.as_ref().unwrap();
+    assert_eq!(painted.request.detail, Detail::Full);
+}
+
+#[test]
+fn the_picture_of_another_tree_is_greyed_but_not_on_a_network() {
+    for (says, greys) in [(&[][..], true), (&[("SSH_CONNECTION", "10.0.0.1 1 10.0.0.2 22")], false)] {
+        let mut bench = Bench::on(120, 40, says, "auto").with_tree();
+        bench.keys("j");
+        bench.load();
+        assert!(!is_grey(&bench.model), "what comes at once does not flicker");
+        bench.wait(GREYS);
+        assert_eq!(is_grey(&bench.model), greys);
+        bench.settle();
+        assert!(!is_grey(&bench.model));
+    }
+}

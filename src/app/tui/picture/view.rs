@@ -11,7 +11,7 @@ use ratatui::style::{Color, Modifier};
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::{beside, seen, split, standing};
+use super::{beside, is_grey, seen, split, standing};
 use crate::jobs::{HowFar, Painted};
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, Target, View};
@@ -96,6 +96,9 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     if let Some(painted) = standing(model) {
         view.order.late.push(area);
         painted.put(area, buffer);
+        if is_grey(model) {
+            grey(area, buffer);
+        }
         handles(model, painted, area, buffer);
         // Where panes have no headings, the bar to scrub takes the row.
         let is_taken =
@@ -145,6 +148,22 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     } else if standing(model).is_none() && (!has_grown || !model.picture.has_failed) {
         let text = if has_grown { "drawing …" } else { "growing …" };
         say(buffer, area.y + area.height / 2, text, theme.dim);
+    }
+}
+
+/// Takes most of the contrast from cells: what they show is of before.
+fn grey(area: Rect, buffer: &mut Buffer) {
+    let paler = |color: Color| match color {
+        Color::Rgb(r, g, b) => {
+            let [r, g, b] = [r, g, b].map(|c| ((u16::from(c) + 2 * 0x60) / 3) as u8);
+            Color::Rgb(r, g, b)
+        }
+        other => other,
+    };
+    for place in area.intersection(buffer.area).positions() {
+        let cell = &mut buffer[place];
+        (cell.fg, cell.bg) = (paler(cell.fg), paler(cell.bg));
+        cell.modifier |= Modifier::DIM;
     }
 }
 

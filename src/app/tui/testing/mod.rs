@@ -28,7 +28,7 @@ use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
-use crate::jobs::{Painter, Watcher, derive, grow_shown, grow_shown_forest};
+use crate::jobs::{Detail, Painter, Watcher, derive, grow_shown, grow_shown_forest};
 use crate::source;
 use crate::source::forest::AnySource;
 
@@ -225,10 +225,18 @@ impl Bench {
         }
         // Nothing is done for so long that the picture is wanted in full.
         self.wait(Duration::from_secs(1));
-        if let Some(painter) = &mut self.painter
+        // A draft, and then the full picture of the same.
+        let mut is_first = true;
+        while let Some(painter) = &mut self.painter
             && let Some(wanted) = picture::wanted(&self.model)
-            && !self.model.picture.painted.as_ref().is_some_and(|painted| painted.request.is_of(&wanted))
         {
+            let painted = self.model.picture.painted.as_ref().map(|painted| &painted.request);
+            let is_of_it = painted.is_some_and(|painted| painted.is_of(&wanted));
+            let is_full = painted.is_some_and(|painted| painted.detail == Detail::Full);
+            if (is_of_it && (is_full || wanted.detail == Detail::Draft)) || !(is_first || is_of_it) {
+                break;
+            }
+            is_first = false;
             let mut painted = painter.paint(wanted, &Watcher::idle()).unwrap().unwrap();
             // As on a machine that is neither fast nor slow.
             painted.took = Duration::from_millis(50);
