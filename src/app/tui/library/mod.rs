@@ -21,8 +21,7 @@ pub use open_line::{dropped_path, open_path};
 use self::open_line::OpenLine;
 use super::effect::{Effect, Effects};
 use super::forest::ForestOnScreen;
-use super::layout::Pane;
-use super::model::ListRow;
+use super::layout::{Pane, Target};
 use super::model::Model;
 use super::picture;
 use super::tree::{Changes, Tree, TreePlace};
@@ -52,6 +51,7 @@ pub fn found(model: &mut Model, findings: Findings) -> Option<Findings> {
 /// Sets the filter, as it is typed: the cursor is on the best match.
 pub fn set_filter(model: &mut Model, text: &str, effects: &mut Effects) {
     model.library.filter_by(text);
+    model.library.top = None;
     if !text.is_empty() {
         model.library.step(isize::MIN);
     }
@@ -309,6 +309,12 @@ pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, effects: &mut E
         return wheel(model, mouse, effects);
     }
     model.focus_on(Pane::Presets);
+    // The list stands still under the pointer.
+    let in_list = model.regions.iter().filter_map(|(area, target)| match target {
+        Target::Preset(row) => Some((area.y, *row)),
+        _ => None,
+    });
+    model.library.top = in_list.min().map(|(_, row)| row);
     match model.library.rows.get(row) {
         Some(ListRow::Entry(index, _)) => {
             (model.library.selected, model.library.at_group) = (*index, None);

@@ -64,7 +64,12 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
     let headings = rows.iter().filter(|row| matches!(row, ListRow::Heading(_))).count();
     // Where all of it has room, groups stand apart.
     let air = u16::from(rows.len() + headings <= usize::from(list.height));
-    let first = first_row(cursor.unwrap_or(0), rows.len(), list.height.into());
+    let (at, height) = (cursor.unwrap_or(0), usize::from(list.height));
+    // Since the mouse was used only what is out of sight moves it.
+    let first = match library.top {
+        Some(top) => top.min(rows.len().saturating_sub(height)).max((at + 1).saturating_sub(height)).min(at),
+        None => first_row(at, rows.len(), height),
+    };
     let mut y = list.y;
     for (i, row) in rows.iter().enumerate().skip(first) {
         if i > 0 && matches!(row, ListRow::Heading(_)) {

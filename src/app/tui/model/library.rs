@@ -43,6 +43,8 @@ pub struct Library {
     pub shelf: Vec<Tree>,
     /// Changed forests that are not on screen.
     pub forests: Vec<ForestOnScreen>,
+    /// The first row that is shown, since the mouse chose one: it stays under the pointer while it is in sight.
+    pub top: Option<usize>,
     /// Changes of the last session, of trees and forests whose documents were not read in this one.
     pub unread: Vec<(TreePlace, Changes)>,
 }
@@ -117,6 +119,7 @@ impl Library {
             passing: None,
             shelf: Vec::new(),
             forests: Vec::new(),
+            top: None,
             unread: Vec::new(),
         };
         library.arrange();
