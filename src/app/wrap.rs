@@ -4,6 +4,9 @@ use std::borrow::Cow;
 
 use unicode_width::UnicodeWidthStr;
 
+/// Cells of a path that say which it is.
+const LEAST_PATH: usize = 24;
+
 /// Breaks a text at its spaces into lines of at most `width` cells; words that are longer are broken
 /// where they must be. Printable whatever it is given. Never empty: no text is one empty line.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
@@ -29,6 +32,31 @@ pub fn wrapped_within(text: &str, width: usize, most: usize) -> Vec<String> {
         }
     }
     lines
+}
+
+/// The same with its longest path shortened in the middle first: what is said of a path stands behind it.
+pub fn clipped_in_paths(text: &str, width: usize) -> String {
+    let text = linden::knob::printable(text);
+    let over = text.width().saturating_sub(width);
+    let longest = text.split(' ').filter(|word| word.contains('/')).max_by_key(|word| word.width());
+    let Some(path) = longest.filter(|path| over > 0 && path.width() > LEAST_PATH) else {
+        return clipped(&text, width);
+    };
+    let room = path.width().saturating_sub(over).max(LEAST_PATH);
+    clipped(&text.replacen(path, &without_middle(path, room), 1), width)
+}
+
+/// A text in at most `width` cells, an ellipsis in its middle where something is left out.
+fn without_middle(text: &str, width: usize) -> String {
+    let tail_room = width.saturating_sub(1).div_ceil(2);
+    let mut tail = text;
+    while tail.width() > tail_room {
+        let mut chars = tail.chars();
+        chars.next();
+        tail = chars.as_str();
+    }
+    // What `clipped` ends with stands in the middle then.
+    clipped(text, width.saturating_sub(tail.width())) + tail
 }
 
 /// Text from outside or of any length in at most `width` cells, cut with an ellipsis; printable.
@@ -79,5 +107,17 @@ mod tests {
         assert_eq!(wrapped_within("one two three", 5, 2), ["one", "two…"]);
         assert_eq!(wrapped_within("one two", 7, 1), ["one two"]);
         assert_eq!(wrapped_within("one, two", 4, 1), ["one…"]);
+    }
+
+    #[test]
+    fn a_long_path_makes_room_for_what_is_said_of_it() {
+        let text = format!("writing /home/me/{}/fir.glb: no space", "long/".repeat(20));
+        let cut = clipped_in_paths(&text, 60);
+        assert!(
+            cut.width() <= 60 && cut.ends_with("/fir.glb: no space") && cut.starts_with("writing /home"),
+            "{cut}"
+        );
+        assert_eq!(clipped_in_paths("a/b: short", 60), "a/b: short");
+        assert_eq!(clipped_in_paths(&text, 10), "writing /…", "no room for either");
     }
 }

@@ -180,8 +180,9 @@ fn finding(path: &Path) -> TargetFinding {
         Err(error) => {
             // The path stands before it on the screen.
             let told = error.to_string();
-            let prefix = format!("cannot write {}: ", linden::knob::printable(&path.to_string_lossy()));
-            TargetFinding::Unfit(told.strip_prefix(&prefix).map(str::to_owned).unwrap_or(told))
+            let shown = linden::knob::printable(&path.to_string_lossy());
+            let why = told.split_once(shown.as_str()).and_then(|(_, after)| after.split_once(": "));
+            TargetFinding::Unfit(why.map(|(_, why)| why.to_owned()).unwrap_or(told))
         }
     }
 }
@@ -389,5 +390,14 @@ mod tests {
         }
         let typed = format!("{}/", dir.path().to_str().unwrap());
         assert_eq!(completions(&typed, None, &Quiet).unwrap().len(), MOST_COMPLETIONS);
+    }
+
+    #[test]
+    fn the_reason_comes_without_the_path() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(format!("{}.glb", "x".repeat(300)));
+        let found = asked(&[path.to_str().unwrap()], None, Vec::new());
+        let TargetFinding::Unfit(why) = &found.targets[0] else { panic!("{:?}", found.targets) };
+        assert!(!why.contains("xxx") && why.contains("too long"), "{why}");
     }
 }

@@ -9,7 +9,7 @@ use super::page;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::{Command, HELP, Message, Model, Weight};
-use crate::wrap::clipped;
+use crate::wrap::clipped_in_paths;
 
 /// Hints from this place on have their room before all others: the ways to other panes, to help and out.
 const RESERVED: u8 = 89;
@@ -54,7 +54,7 @@ fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
             paint(model, &[more], place, buffer, view);
         }
     }
-    buffer.set_stringn(area.x + 1, area.y, clipped(&message.text, room.into()), room.into(), style);
+    buffer.set_stringn(area.x + 1, area.y, clipped_in_paths(&message.text, room.into()), room.into(), style);
 }
 
 /// What whoever opens the workbench for the first time is told.
