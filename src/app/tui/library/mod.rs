@@ -146,6 +146,14 @@ pub fn loaded(
             }
         }
         Err(why) => {
+            // With nothing else on screen the list says what was asked for, and not its first preset.
+            if let TreePlace::File(path) = &place
+                && model.place().is_none()
+                && model.library.places().all(|(_, other)| *other != place)
+            {
+                model.library.add_broken(path.clone(), &why);
+                model.library.select_place(&place);
+            }
             model.library.mark_fault(&place, &why);
             model.say_error(why);
         }

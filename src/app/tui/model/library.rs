@@ -201,6 +201,12 @@ impl Library {
         self.add(PresetEntry { group: OPENED.to_owned(), ..PresetEntry::of(TreePlace::File(path), preset) });
     }
 
+    /// Lists a file that could not be read, and why.
+    pub fn add_broken(&mut self, path: PathBuf, why: &str) {
+        let unread = PresetEntry::unread(TreePlace::File(path), OPENED);
+        self.add(PresetEntry { fault: Some(why.to_owned()), ..unread });
+    }
+
     /// The same of a forest's file.
     pub fn add_forest(&mut self, path: PathBuf, forest: &Forest, summary: &str) {
         self.add(PresetEntry {

@@ -128,9 +128,20 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         model.forest.as_ref().map(|forest| (forest.shown.is_some(), &forest.fault, &forest.growing)),
     );
     let Some((has_grown, fault, growing)) = on_screen.0.or(on_screen.1) else {
-        if !area.is_empty() {
-            let text = if model.loading.is_some() { "reading …" } else { "choose a preset" };
-            say(buffer, area.y + area.height / 2, text, theme.dim);
+        let fault = model.library.entry().and_then(|entry| entry.fault.as_deref());
+        match fault.filter(|_| model.loading.is_none()) {
+            _ if area.is_empty() => {}
+            Some(fault) => {
+                let lines = wrapped_within(fault, area.width.into(), area.height.into());
+                let top = area.y + (area.height - lines.len() as u16) / 2;
+                for (line, y) in lines.iter().zip(top..) {
+                    say(buffer, y, line, theme.error);
+                }
+            }
+            None => {
+                let text = if model.loading.is_some() { "reading …" } else { "choose a preset" };
+                say(buffer, area.y + area.height / 2, text, theme.dim);
+            }
         }
         return;
     };
