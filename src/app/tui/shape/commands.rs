@@ -71,7 +71,7 @@ const fn editing(
     Command { id, context: grammar::CONTEXT, keys, title, help, hint, hindrance, run }
 }
 
-fn unless_typed(model: &Model, can: fn(&GrammarEditor) -> bool, why: &str) -> Option<String> {
+fn unless_typed(model: &Model, can: impl Fn(&GrammarEditor) -> bool, why: &str) -> Option<String> {
     model.dialogs.top::<GrammarEditor>().is_none_or(|editor| !can(editor)).then(|| why.to_owned())
 }
 
@@ -437,8 +437,8 @@ pub const COMMANDS: &[Command] = &[
     editing(
         "grammar-close",
         &["esc"],
-        "Close",
-        "Closes the editor; the last rules that could be read grow",
+        "Keep",
+        "Closes the editor; what was typed stays, and the last rules that could be read grow",
         Some(11),
         free,
         |model, _| with(model, GrammarEditor::close),
@@ -465,9 +465,9 @@ pub const COMMANDS: &[Command] = &[
         "grammar-revert",
         &["ctrl-x"],
         "Revert text",
-        "Gives the text back that the editor was opened with; undo leads back",
+        "Gives the text back that the editor was opened with, and then that of the document; undo leads back",
         Some(14),
-        |model| unless_typed(model, GrammarEditor::is_changed, "the text is as it was"),
+        |model| unless_typed(model, |editor| editor.can_revert(model), "the text is that of the document"),
         |model, _| with(model, GrammarEditor::revert),
     ),
     editing(

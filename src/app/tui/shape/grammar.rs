@@ -19,7 +19,7 @@ use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::layout::Target;
 use crate::tui::model::Model;
-use crate::tui::tree::Tree;
+use crate::tui::tree::{Tree, grammar_of};
 
 /// Where the editor's keys are listened to.
 pub const CONTEXT: Context = Context::new(60, "grammar", "In the grammar").typed();
@@ -118,10 +118,18 @@ impl GrammarEditor {
         })
     }
 
-    /// Gives the text back that the editor was opened with.
+    /// Gives the text back that the editor was opened with; where nothing was typed since, that of the document.
     pub fn revert(&mut self, model: &mut Model) -> After {
-        let opened = self.opened.clone();
-        self.change(model, |text| text.replace(&opened))
+        let saved = if self.is_changed() { None } else { saved_text(model) };
+        let before = saved.unwrap_or_else(|| self.opened.clone());
+        self.change(model, |text| text.replace(&before))
+    }
+
+    /// Whether there is another text to revert to.
+    pub fn can_revert(&self, model: &Model) -> bool {
+        self.is_changed()
+            || self.fault.is_some()
+            || model.tree.as_ref().is_some_and(|tree| tree.grammar() != grammar_of(&tree.saved().preset))
     }
 
     /// Changes the text, and what follows from it.
@@ -204,6 +212,11 @@ impl fmt::Write for Cut {
 fn text_of(tree: &Tree) -> Option<String> {
     let written = || tree.grammar().map(write_grammar);
     tree.draft().map(str::to_owned).or_else(written)
+}
+
+/// The text of the grammar that the document has.
+fn saved_text(model: &Model) -> Option<String> {
+    grammar_of(&model.tree.as_ref()?.saved().preset).map(write_grammar)
 }
 
 /// Opens the editor, with the cursor on the form's row of the grammar: 0 is the axiom.
