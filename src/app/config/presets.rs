@@ -134,6 +134,24 @@ pub fn put_away(path: &Path) -> Result<Option<PathBuf>, Complaint> {
     Ok(Some(kept))
 }
 
+/// Puts a file back that was [put away](put_away).
+///
+/// # Errors
+/// Why it is still where it was put, as when there is another one in its place.
+pub fn put_back(kept: &Path, path: &Path) -> Result<(), Complaint> {
+    let failed = |why: String| Complaint::new(kept, format!("cannot be put back as {}: {why}", show(path)));
+    if fs::symlink_metadata(path).is_ok() {
+        return Err(failed("there is a file of that name now".to_owned()));
+    }
+    fs::rename(kept, path).map_err(|error| failed(error.to_string()))
+}
+
+/// The file that one which was put away was before, by its name; `None` for any other.
+pub fn before_put_away(kept: &Path) -> Option<PathBuf> {
+    let folder = kept.parent()?;
+    (folder.file_name()? == REMOVED).then(|| folder.with_file_name(kept.file_name().unwrap_or_default()))
+}
+
 /// What is in a directory, in order, without what is hidden.
 fn names(dir: &Path, complaints: &mut Vec<Complaint>) -> Vec<PathBuf> {
     let mut failed = |error: &std::io::Error| {

@@ -61,6 +61,13 @@ pub enum Effect {
     },
     /// Put a preset's file away ([`crate::config::presets::put_away`]); answered by `Msg::Removed`.
     Remove(PathBuf),
+    /// Put a file back that was put away ([`crate::config::presets::put_back`]); answered by `Msg::PutBack`.
+    PutBack {
+        /// Where it is.
+        kept: PathBuf,
+        /// Where it was.
+        path: PathBuf,
+    },
     /// Export in the background; answered by `Msg::Export`.
     Export(ExportOrder),
     /// Stop the export that is under way.

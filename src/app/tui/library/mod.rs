@@ -23,6 +23,7 @@ use super::effect::{Effect, Effects};
 use super::forest::ForestOnScreen;
 use super::layout::{Pane, Target};
 use super::model::Model;
+use super::model::{ListRow, Removed};
 use super::picture;
 use super::tree::{Changes, Tree, TreePlace};
 use crate::config::Complaint;
@@ -259,13 +260,38 @@ pub fn file_removed(
 ) {
     match result {
         Ok((path, kept)) => {
-            removed(model, &TreePlace::File(path), effects);
+            removed(model, &TreePlace::File(path.clone()), effects);
             match kept {
                 Some(kept) => {
-                    model.say(format!("removed; to get it back, open {} and save it", show(&kept)));
+                    let key = model.config.keymap.keys_of("undo").first().map(ToString::to_string);
+                    let back = key.map_or_else(|| "'Undo'".to_owned(), |key| format!("{key} (undo)"));
+                    model.say(format!("removed; {back} brings it back, also {}", show(&kept)));
+                    let steps = model.tree.as_ref().map_or(0, Tree::steps);
+                    model.library.removed = Some(Removed { path, kept, steps });
                 }
                 None => model.say("removed: its file was gone already"),
             }
+            effects.push(Effect::Reconfigure);
+        }
+        Err(why) => model.say_error(why),
+    }
+}
+
+/// The removed preset that one undo brings back: nothing was changed since.
+pub fn removed_last(model: &Model) -> Option<&Removed> {
+    let steps = model.tree.as_ref().map_or(0, Tree::steps);
+    let has_turned = model.forest.as_ref().is_some_and(ForestOnScreen::can_undo);
+    model.library.removed.as_ref().filter(|removed| steps <= removed.steps && !has_turned)
+}
+
+/// A preset's file is back, or why not.
+pub fn put_back(model: &mut Model, back: Result<PathBuf, String>, effects: &mut Effects) {
+    match back {
+        Ok(path) => {
+            model.say(format!("brought back: {}", show(&path)));
+            let place = TreePlace::File(path);
+            model.loading = Some(place.clone());
+            effects.push(Effect::Load(place));
             effects.push(Effect::Reconfigure);
         }
         Err(why) => model.say_error(why),

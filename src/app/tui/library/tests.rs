@@ -113,7 +113,18 @@ fn a_preset_is_removed_after_a_question() {
         _ => None,
     });
     assert_eq!(loaded, Some(last.as_str()), "its neighbour is shown");
-    assert!(bench.said().contains(".removed") && bench.said().contains("open"), "{}", bench.said());
+    assert!(bench.said().contains(".removed") && bench.said().contains("u (undo) brings it back"));
+    // One key brings it back to where it was.
+    bench.effects.clear();
+    bench.keys("u");
+    let [Effect::PutBack { kept, path }] = &bench.effects[..] else { panic!("{:?}", bench.effects) };
+    crate::config::presets::put_back(kept, path).unwrap();
+    let path = path.clone();
+    bench.send(Msg::PutBack(Ok(path.clone())));
+    assert!(matches!(&bench.effects[1], Effect::Load(other) if *other == place), "{:?}", bench.effects);
+    assert!(path.exists() && bench.said().starts_with("brought back"), "{}", bench.said());
+    bench.keys("u");
+    assert!(!matches!(bench.effects.last(), Some(Effect::PutBack { .. })), "once");
 }
 
 #[test]
@@ -192,4 +203,72 @@ fn a_tree_whose_file_went_comes_back_whole_and_is_saved_anew() {
     next.send(Msg::Gone(place.clone(), "no such file".to_owned()));
     next.keys("s");
     assert!(next.said().contains("no such file") && next.said().contains(".removed"), "{}", next.said());
+}
+
+#[test]
+fn one_that_was_removed_is_saved_where_it_was() {
+    let (dir, path, mut bench) = own_preset();
+    let kept = crate::config::presets::put_away(&path).unwrap().unwrap();
+    relist(&mut bench, dir.path());
+    bench.model.tree.as_mut().unwrap().place = TreePlace::File(kept.clone());
+    let proposed = |bench: &FormBench, from: &Path| {
+        crate::tui::shape::save::proposed(&bench.model, "mine", &TreePlace::File(from.to_owned()))
+    };
+    assert_eq!(proposed(&bench, &kept), "mine");
+    let elsewhere = dir.path().join("other/.removed/bush.toml");
+    assert_eq!(proposed(&bench, &elsewhere), dir.path().join("other/bush.toml").to_str().unwrap());
+}
+
+#[test]
+fn a_click_moves_nothing_under_the_pointer() {
+    use crossterm::event::{MouseButton, MouseEventKind};
+
+    use crate::tui::layout::Target;
+    use crate::tui::testing::Bench;
+    let mut bench = Bench::new(120, 30).without_pictures().with_plain("simple");
+    let rows = |bench: &Bench| -> Vec<(u16, usize)> {
+        let of_list = bench.model.regions.iter();
+        let mut rows: Vec<_> = of_list
+            .filter_map(
+                |(area, target)| if let Target::Preset(row) = target { Some((area.y, *row)) } else { None },
+            )
+            .collect();
+        rows.sort_unstable();
+        rows
+    };
+    let before = rows(&bench);
+    // A row in the upper half, and one in the lower.
+    for place in [2, before.len() / 2 + 2] {
+        let before = rows(&bench);
+        let (y, row) = before[place];
+        bench.mouse(MouseEventKind::Down(MouseButton::Left), 3, y);
+        let now = rows(&bench);
+        assert!(now.contains(&(y, row)), "{row} at {y}: {now:?}");
+        let chosen = bench.model.library.entry().map(|entry| entry.id.clone());
+        bench.mouse(MouseEventKind::Down(MouseButton::Left), 3, y);
+        assert_eq!(
+            bench.model.library.entry().map(|entry| entry.id.clone()),
+            chosen,
+            "twice is the same row"
+        );
+    }
+}
+
+#[test]
+fn a_file_that_cannot_be_read_is_what_the_list_shows() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("broken.txt");
+    std::fs::write(&path, "axiom = A\nA -> F[+A\n").unwrap();
+    let mut bench = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
+    bench.model.tree = None;
+    let place = TreePlace::File(path.clone());
+    bench.model.loading = Some(place.clone());
+    let why = crate::source::forest::AnySource::read(&path, &Quiet).err().unwrap();
+    bench.send(Msg::Loaded(place.clone(), Err(crate::exit::sentence(&why))));
+    assert_eq!(bench.model.library.entry().map(|entry| &entry.place), Some(&place));
+    assert!(bench.said().contains("2:7") && bench.said().contains('['), "{}", bench.said());
+    let (buffer, _) = bench.paint(120, 40);
+    // In the picture's place stands why; the knobs have nothing else to say.
+    let text = text(&buffer);
+    assert!(text.matches("choose a preset").count() == 1 && text.contains("that is never closed"), "{text}");
 }

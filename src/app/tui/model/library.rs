@@ -45,8 +45,21 @@ pub struct Library {
     pub forests: Vec<ForestOnScreen>,
     /// The first row that is shown, since the mouse chose one: it stays under the pointer while it is in sight.
     pub top: Option<usize>,
+    /// The preset that was removed last, for as long as nothing else was done since.
+    pub removed: Option<Removed>,
     /// Changes of the last session, of trees and forests whose documents were not read in this one.
     pub unread: Vec<(TreePlace, Changes)>,
+}
+
+/// A preset that was removed.
+#[derive(Clone, Debug)]
+pub struct Removed {
+    /// Where it was.
+    pub path: PathBuf,
+    /// Where it is now.
+    pub kept: PathBuf,
+    /// How many steps could be undone of what came on screen then: those that came later are undone before.
+    pub steps: usize,
 }
 
 /// Where the user was before trees passed by that nobody stays at: each key of the filter shows what it finds.
@@ -120,6 +133,7 @@ impl Library {
             shelf: Vec::new(),
             forests: Vec::new(),
             top: None,
+            removed: None,
             unread: Vec::new(),
         };
         library.arrange();

@@ -26,7 +26,7 @@ pub use exporting::{ExportReport, Exporting, KeptExport, NamedFiles, RunningExpo
 pub use filter::{has_tags, split_tags};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
-pub use library::{FORESTS, Library};
+pub use library::{FORESTS, Library, Removed};
 pub use message::{Message, Weight};
 pub use picture::PictureState;
 pub use wind::Breeze;

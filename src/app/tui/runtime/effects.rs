@@ -68,6 +68,10 @@ impl Runtime {
                 let removed = presets::put_away(&path).map_err(|complaint| complaint.to_string());
                 self.update(Msg::Removed(removed.map(|kept| (path, kept))));
             }
+            Effect::PutBack { kept, path } => {
+                let back = presets::put_back(&kept, &path).map_err(|complaint| complaint.to_string());
+                self.update(Msg::PutBack(back.map(|()| path)));
+            }
             Effect::Export(order) => self.desk.export(order),
             Effect::CancelExport => self.desk.cancel_export(),
             Effect::Reconfigure => self.reconfigure(),

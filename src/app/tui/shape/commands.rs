@@ -13,7 +13,8 @@ use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::forest::{self, ForestOnScreen};
 use crate::tui::layout::Pane;
-use crate::tui::model::{Command, Model, free, without_form, without_preset};
+use crate::tui::library;
+use crate::tui::model::{Command, Model, Removed, free, without_form, without_preset};
 use crate::tui::tree::{Tree, TreePlace, grammar_of};
 use crate::tui::wood;
 
@@ -300,10 +301,19 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["u"],
         title: "Undo",
-        help: "Takes the last change back and says what it was; there is no limit",
+        help: "Takes the last change back and says what it was; there is no limit. Brings a preset back that was just removed",
         hint: Some(32),
-        hindrance: |model| either(model, Tree::can_undo, ForestOnScreen::can_undo, "nothing was changed"),
-        run: |model, _| undoing::walk(model, true),
+        hindrance: |model| {
+            let why = || either(model, Tree::can_undo, ForestOnScreen::can_undo, "nothing was changed");
+            if library::removed_last(model).is_some() { None } else { why() }
+        },
+        run: |model, effects| match library::removed_last(model).cloned() {
+            Some(Removed { path, kept, .. }) => {
+                model.library.removed = None;
+                effects.push(Effect::PutBack { kept, path });
+            }
+            None => undoing::walk(model, true),
+        },
     },
     Command {
         id: "redo",

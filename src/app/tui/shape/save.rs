@@ -28,6 +28,13 @@ pub fn proposed(model: &Model, id: &str, from: &TreePlace) -> String {
     if file_of(model, id).is_some_and(|path| *from == TreePlace::File(path)) {
         return id.to_owned();
     }
+    // One that was removed is put back where it was.
+    if let TreePlace::File(path) = from
+        && let Some(before) = presets::before_put_away(path)
+    {
+        let id = before.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
+        return if file_of(model, &id).as_ref() == Some(&before) { id } else { show(&before) };
+    }
     // A document that was opened elsewhere is saved where it is.
     if let TreePlace::File(path) = from
         && file_of(model, &show(path)).as_ref() == Some(path)
