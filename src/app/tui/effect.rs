@@ -32,8 +32,12 @@ pub enum Effect {
         from: TreePlace,
         /// What to save.
         recipe: Arc<Recipe>,
+        /// As its document had it when it was read: what differs was changed here.
+        base: Arc<Recipe>,
         /// Whether one of that id may be replaced.
         overwrite: bool,
+        /// Whether a folder that is missing is made; else `Msg::NoFolder` asks.
+        makes_folder: bool,
     },
     /// Save a forest ([`super::forest::save::write`]); answered by `Msg::ForestSaved`.
     SaveForest {
@@ -47,6 +51,8 @@ pub enum Effect {
         forest: Arc<Forest>,
         /// Whether one of that id may be replaced.
         overwrite: bool,
+        /// Whether a folder that is missing is made; else `Msg::NoFolder` asks.
+        makes_folder: bool,
     },
     /// Open text in `$EDITOR`; answered by `Msg::Edited`.
     Edit(String),

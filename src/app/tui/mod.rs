@@ -31,6 +31,7 @@ mod forest;
 mod growth;
 mod layout;
 mod library;
+mod merge;
 mod model;
 mod picture;
 mod ranking;

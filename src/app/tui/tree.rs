@@ -8,6 +8,7 @@ use linden::lsystem::Grammar;
 use linden::preset::{KnobError, LSystem, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
+use super::merge::merged;
 use crate::jobs::{HowFar, ShownTree};
 
 /// Nudges of one knob that follow each other faster are one step of undo.
@@ -39,6 +40,8 @@ pub struct Tree {
     pub compares: bool,
     /// Whether its document is gone: nothing but this tree knows what it says.
     pub is_orphan: bool,
+    /// Whether its document was changed by others while it had changes that are not saved.
+    pub is_overtaken: bool,
     /// The last that grew. Stays on screen while another grows, and when another cannot.
     pub shown: Option<Arc<ShownTree>>,
     /// Why the recipe on screen did not grow.
@@ -90,6 +93,7 @@ impl Tree {
             draft: None,
             compares: false,
             is_orphan: false,
+            is_overtaken: false,
             shown: None,
             fault: None,
             growing: None,
@@ -316,7 +320,17 @@ impl Tree {
 
     /// The document was read again, and changes were made here: what differs from it is counted anew,
     /// and nothing that was changed is lost.
+    ///
+    /// What was changed here is made to what it says now, so that nothing is taken back that others changed; a tree
+    /// of which that cannot be made stays as it is.
     pub fn saved_as(&mut self, place: TreePlace, recipe: Arc<Recipe>) {
+        let steps = self.past.iter_mut().chain(&mut self.future).chain([&mut self.current]);
+        for step in steps.filter(|_| recipe.preset != self.saved.preset) {
+            if let Some(preset) = merged(&self.saved.preset, &step.preset, &recipe.preset) {
+                *step = Arc::new(recipe.with_preset(preset));
+            }
+        }
+        self.is_overtaken |= recipe.preset != self.saved.preset;
         self.place = place;
         self.is_orphan = false;
         self.saved = recipe;
@@ -336,7 +350,7 @@ impl Tree {
             }
         }
         self.place = place;
-        self.is_orphan = false;
+        (self.is_orphan, self.is_overtaken) = (false, false);
         self.saved = Arc::clone(&self.current);
         self.series = None;
         self.compares = false;
@@ -345,6 +359,7 @@ impl Tree {
     /// The document was read again, and nothing was changed here: the new one grows, and one undo
     /// leads back.
     pub fn reloaded(&mut self, recipe: Recipe) {
+        self.is_overtaken = false;
         let hash = |recipe: &Recipe| {
             recipe.inputs.iter().map(|(name, input)| (name.to_owned(), input.hash)).collect::<Vec<_>>()
         };

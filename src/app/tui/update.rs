@@ -9,7 +9,7 @@ use linden_terminal::probe::Capabilities;
 use ratatui::layout::Position;
 
 use super::dialog::After;
-use super::effect::Effects;
+use super::effect::{Effect, Effects};
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
 use super::tree::TreePlace;
@@ -55,6 +55,8 @@ pub enum Msg {
     Export(ExportNews),
     /// A preset was saved, or why not.
     Saved(Result<(String, PathBuf), String>),
+    /// There is no folder to save in, and what saves there once it may be made.
+    NoFolder(PathBuf, Box<Effect>),
     /// A forest was saved, or why not.
     ForestSaved(Result<PathBuf, String>),
     /// A preset's file was put away, and where it is now; or why not.
@@ -140,6 +142,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Derived(derivation) => derivation::derived(model, *derivation),
         Msg::Export(news) => export::news(model, news, &mut effects),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
+        Msg::NoFolder(folder, order) => shape::ask_for_folder(model, folder, *order),
         Msg::ForestSaved(saved) => forest::saved(model, saved, &mut effects),
         Msg::Removed(removed) => library::file_removed(model, removed, &mut effects),
         Msg::PutBack(back) => library::put_back(model, back, &mut effects),

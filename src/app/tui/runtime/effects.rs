@@ -1,7 +1,7 @@
 //! Does the effects that an update asks for.
 
 use std::io::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -40,12 +40,30 @@ impl Runtime {
             }
             Effect::Load(place) => self.desk.load(place),
             Effect::Copy(text) => self.copy(&text),
-            Effect::Save { dir, id, from, recipe, overwrite } => {
-                let saved =
-                    self.folder(dir).and_then(|dir| save::write(&dir, &id, &from, &recipe, overwrite));
+            Effect::Save { dir: Some(dir), id, from, recipe, base, overwrite, makes_folder: false }
+                if is_missing(&dir) =>
+            {
+                let folder = dir.clone();
+                let (dir, makes_folder) = (Some(dir), true);
+                let order = Effect::Save { dir, id, from, recipe, base, overwrite, makes_folder };
+                self.update(Msg::NoFolder(folder, Box::new(order)));
+            }
+            Effect::SaveForest { dir: Some(dir), id, from, forest, overwrite, makes_folder: false }
+                if is_missing(&dir) =>
+            {
+                let folder = dir.clone();
+                let (dir, makes_folder) = (Some(dir), true);
+                let order = Effect::SaveForest { dir, id, from, forest, overwrite, makes_folder };
+                self.update(Msg::NoFolder(folder, Box::new(order)));
+            }
+            Effect::Save { dir, id, from, recipe, base, overwrite, .. } => {
+                let saved = self.folder(dir).and_then(|dir| {
+                    let recipe = save::over(&dir, &id, &from, &base, &recipe)?;
+                    save::write(&dir, &id, &from, &recipe, overwrite)
+                });
                 self.update(Msg::Saved(saved));
             }
-            Effect::SaveForest { dir, id, from, forest, overwrite } => {
+            Effect::SaveForest { dir, id, from, forest, overwrite, .. } => {
                 let saved = self
                     .folder(dir)
                     .and_then(|dir| forest::save::write(&dir, &id, &from, &forest, overwrite));
@@ -279,4 +297,9 @@ fn editor(setting: Option<&str>) -> Result<Vec<String>, String> {
         .unwrap_or_else(|| "vi".to_owned());
     let words = shell_words::split(&line).map_err(|error| format!("the editor's command line: {error}"))?;
     if words.is_empty() { Err("the editor's command line is empty".to_owned()) } else { Ok(words) }
+}
+
+/// Whether a folder that was typed is not there.
+fn is_missing(folder: &Path) -> bool {
+    !folder.as_os_str().is_empty() && std::fs::symlink_metadata(folder).is_err()
 }

@@ -26,6 +26,7 @@ use linden::preset::{Preset, PresetKnob, Section};
 
 pub use commands::COMMANDS;
 pub use editor::class_style;
+pub use save_lines::ask_for_folder;
 pub use value::turn;
 
 use self::nudge::{Nudge, nudged};

@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use linden::Quiet;
 use linden::knob::excerpt;
-use linden::preset::{builtin, builtin_file};
+use linden::preset::{Preset, builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 use linden_exporters::{Bundle, ExportError, commit_all};
 
@@ -16,6 +17,7 @@ use crate::config::presets;
 use crate::paths::{expand, show};
 use crate::reading;
 use crate::trust;
+use crate::tui::merge::merged;
 use crate::tui::model::Model;
 use crate::tui::tree::TreePlace;
 
@@ -200,11 +202,40 @@ fn document_of(from: &TreePlace) -> Option<String> {
     }
 }
 
+/// What is saved of a recipe into its own document: what was changed since that was read as `base`, made to what the
+/// document says now. Elsewhere it is saved as it is on screen.
+///
+/// # Errors
+/// What was changed does not go with what others made of the document.
+pub fn over(
+    dir: &Path,
+    id: &str,
+    from: &TreePlace,
+    base: &Recipe,
+    recipe: &Arc<Recipe>,
+) -> Result<Arc<Recipe>, String> {
+    let path = dir.join(format!("{id}.toml"));
+    let is_its_own = *from == TreePlace::File(path.clone());
+    let theirs = document_of(from).filter(|_| is_its_own).and_then(|text| Preset::from_toml(&text).ok());
+    let Some(theirs) = theirs.filter(|theirs| *theirs != base.preset) else {
+        return Ok(Arc::clone(recipe));
+    };
+    match merged(&base.preset, &recipe.preset, &theirs) {
+        Some(preset) => Ok(Arc::new(recipe.with_preset(preset))),
+        None => Err(format!(
+            "what you changed does not go with what {} says now; nothing was saved, save under another name",
+            show(&path)
+        )),
+    }
+}
+
 /// What replacing a preset of the user's does to its file.
 pub fn loss(model: &Model, id: &str) -> &'static str {
-    let is_its_own = file_of(model, id)
-        .is_some_and(|path| model.tree.as_ref().is_some_and(|tree| tree.place == TreePlace::File(path)));
-    if is_its_own {
+    let own = file_of(model, id)
+        .and_then(|path| model.tree.as_ref().filter(|tree| tree.place == TreePlace::File(path)));
+    if own.is_some_and(|tree| tree.is_overtaken) {
+        "it changed on disk since you opened it: what you changed goes in, the rest stays as it is there"
+    } else if own.is_some() {
         "only what was changed is written; comments stay"
     } else {
         "the file is replaced by another document; what it says is lost"

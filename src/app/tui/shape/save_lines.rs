@@ -1,5 +1,6 @@
 //! The id that a tree or a forest is saved under, typed, and the question whether what has that id is replaced.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
@@ -36,7 +37,7 @@ struct ReplaceLine {
 /// What is saved: what the line was opened for, whatever is on screen when it is accepted.
 #[derive(Clone)]
 enum Saving {
-    Tree { from: TreePlace, recipe: Arc<Recipe> },
+    Tree { from: TreePlace, recipe: Arc<Recipe>, base: Arc<Recipe> },
     Forest { from: TreePlace, forest: Arc<Forest> },
 }
 
@@ -46,8 +47,12 @@ impl Saving {
         // What is wrong with it was said while it was typed.
         let Ok(Destination { dir, id }) = Destination::read(typed) else { return };
         effects.push(match self.clone() {
-            Self::Tree { from, recipe } => Effect::Save { dir, id, from, recipe, overwrite },
-            Self::Forest { from, forest } => Effect::SaveForest { dir, id, from, forest, overwrite },
+            Self::Tree { from, recipe, base } => {
+                Effect::Save { dir, id, from, recipe, base, overwrite, makes_folder: false }
+            }
+            Self::Forest { from, forest } => {
+                Effect::SaveForest { dir, id, from, forest, overwrite, makes_folder: false }
+            }
         });
     }
 }
@@ -55,7 +60,8 @@ impl Saving {
 impl SaveLine {
     /// For a tree, with an id to begin with.
     pub fn of_tree(tree: &Tree, id: &str) -> Self {
-        Self::new(Saving::Tree { from: tree.place.clone(), recipe: Arc::clone(tree.recipe()) }, id)
+        let (recipe, base) = (Arc::clone(tree.recipe()), Arc::clone(tree.saved()));
+        Self::new(Saving::Tree { from: tree.place.clone(), recipe, base }, id)
     }
 
     /// For a forest, with an id to begin with.
@@ -170,6 +176,59 @@ impl Dialog<Model> for ReplaceLine {
     }
 
     /// Enter alone replaces.
+    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.cancel(model, effects);
+        After::Closes
+    }
+}
+
+/// The question whether a folder is made to save in.
+struct FolderLine {
+    prompt: Prompt,
+    folder: PathBuf,
+    /// What is done then.
+    order: Option<Effect>,
+}
+
+/// There is no folder to save in: whether it is to be made.
+pub fn ask_for_folder(model: &mut Model, folder: PathBuf, order: Effect) {
+    model.dialogs.open(FolderLine { prompt: Prompt::new(""), folder, order: Some(order) });
+}
+
+impl Dialog<Model> for FolderLine {
+    fn context(&self) -> Context {
+        prompt::CONTEXT
+    }
+
+    fn is_prompt(&self) -> bool {
+        true
+    }
+
+    fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
+        let text = format!("there is no directory {}", crate::paths::show(&self.folder));
+        let remark = Remark { text, warns: true };
+        self.prompt.paint_at_bottom(model, "make it? y or n", Some(&remark), screen, buffer, view);
+    }
+
+    /// One letter answers.
+    fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
+        match key.code {
+            KeyCode::Char('y' | 'Y') => {
+                effects.extend(self.order.take());
+                After::Closes
+            }
+            KeyCode::Char(_) => self.accept(model, effects),
+            _ => After::Stays,
+        }
+    }
+
+    /// Enter alone is no.
+    fn accept(&mut self, model: &mut Model, _effects: &mut Effects) -> After {
+        model.say("not saved");
+        After::Closes
+    }
+
+    /// Enter alone makes nothing.
     fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
         self.cancel(model, effects);
         After::Closes

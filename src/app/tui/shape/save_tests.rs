@@ -170,7 +170,9 @@ fn an_opened_file_is_saved_back_and_a_path_is_a_place() {
     assert!(shown.contains("replace 'mine.toml'? y or n") && shown.contains("comments stay"), "{shown}");
     bench.typed("y");
     let write = |bench: &mut FormBench| {
-        let Some(Effect::Save { dir, id, from, recipe, overwrite }) = bench.effects.pop() else { panic!() };
+        let Some(Effect::Save { dir, id, from, recipe, overwrite, .. }) = bench.effects.pop() else {
+            panic!()
+        };
         bench.effects.clear();
         let saved = save::write(&dir.unwrap(), &id, &from, &recipe, overwrite);
         bench.send(Msg::Saved(saved));
@@ -188,4 +190,61 @@ fn an_opened_file_is_saved_back_and_a_path_is_a_place() {
     for typed in ["/", "./", "/tmp/a:b", "x/"] {
         assert!(save::problem(typed).is_some(), "{typed}");
     }
+}
+
+#[test]
+fn what_others_changed_of_a_file_meanwhile_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    let presets = dir.path().join("presets");
+    std::fs::create_dir(&presets).unwrap();
+    let path = presets.join("mine.toml");
+    std::fs::write(&path, "id = \"mine\"\n[colonization]\ncrown = \"sphere\"\npoints = 200\n").unwrap();
+    let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
+    bench.list(&presets);
+    bench.on("seed").keys("right");
+    let seed = bench.value("seed");
+    let tree = bench.tree();
+    let over = save::over(&presets, "mine", &tree.place, tree.saved(), tree.recipe()).unwrap();
+    assert!(std::sync::Arc::ptr_eq(&over, tree.recipe()), "the file is as it was");
+    // Another workbench saves, and this one has not heard of it.
+    let theirs = written(&presets, "mine.toml").replace("200", "1080");
+    std::fs::write(&path, &theirs).unwrap();
+    let tree = bench.tree();
+    let over = save::over(&presets, "mine", &tree.place, tree.saved(), tree.recipe()).unwrap();
+    let read = |name: &str, of: &linden::preset::Preset| {
+        of.all_knobs().into_iter().find(|(row, _)| row.knob.name == name).unwrap().1.to_string()
+    };
+    assert_eq!((read("points", &over.preset), read("seed", &over.preset)), ("1080".to_owned(), seed.clone()));
+    // It hears of it: its own change alone is one, also on the way back.
+    let changed = crate::source::forest::AnySource::read(&path, &Quiet).unwrap();
+    bench.model.loading = Some(TreePlace::File(path.clone()));
+    bench.send(Msg::Loaded(TreePlace::File(path.clone()), Ok(changed)));
+    assert_eq!((bench.value("points"), bench.value("seed")), ("1080".to_owned(), seed.clone()));
+    assert_eq!(bench.tree().turned(), ["seed"]);
+    bench.keys("s enter");
+    let shown = text(&bench.paint(140, 24).0);
+    assert!(shown.contains("changed on disk since you opened it"), "{shown}");
+    bench.typed("y");
+    save(&mut bench, &presets);
+    let now = written(&presets, "mine.toml");
+    assert!(now.contains("points = 1080") && now.contains(&format!("seed = {seed}")), "{now}");
+    bench.keys("u");
+    assert_eq!(bench.value("points"), "1080", "nothing of theirs is taken back");
+}
+
+#[test]
+fn a_missing_directory_is_asked_about() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bench = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
+    let ask = |bench: &mut FormBench| {
+        bench.send(Msg::NoFolder(dir.path().join("evil"), Box::new(Effect::Redraw)));
+        let shown = text(&bench.paint(120, 24).0);
+        assert!(shown.contains("make it? y or n") && shown.contains("/evil"), "{shown}");
+    };
+    ask(&mut bench);
+    bench.typed("n");
+    assert!(bench.effects.is_empty() && bench.said() == "not saved", "{}", bench.said());
+    ask(&mut bench);
+    bench.typed("y");
+    assert!(matches!(&bench.effects[..], [Effect::Redraw]), "{:?}", bench.effects);
 }
