@@ -1,9 +1,10 @@
 //! `linden export PLOT -o FOLDER/`: each tree that an input tells apart, in files of its own, with one table of them.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use anyhow::{Context, bail};
+use anyhow::{Context, anyhow, bail};
 use linden::dress::levels;
 use linden::grow::grow;
 use linden::monitor::Holding;
@@ -85,7 +86,7 @@ impl Plot<'_> {
         let crew = Crew { memory: crew.memory - room_for_pictures(progress), in_order: true, ..crew };
         let work = |at: usize, share: &Share<'_>| {
             let (number, parts) = self.trees.numbers[at];
-            Row { number, parts, written: self.tree(number, share, progress) }
+            Row { number, parts, written: caught(|| self.tree(number, share, progress)) }
         };
         crew.run(0..count, work, |row| {
             if let Err(error) = &row.written {
@@ -165,5 +166,38 @@ impl Plot<'_> {
             writer.write_record(record)?;
         }
         Ok(writer.into_inner()?)
+    }
+}
+
+/// Does a piece of work; a panic in it is an error like another. A fault of the program that one cloud in a hundred shows must
+/// not cost the other trees of a plot, which take hours, and their table. Nothing broken is left behind: what a tree changes is
+/// its own, what trees share are caches that take in nothing before it is whole, and files that were begun are not committed.
+fn caught<T>(work: impl FnOnce() -> anyhow::Result<T>) -> anyhow::Result<T> {
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|payload| {
+        let text = payload.downcast_ref::<&str>().map(|text| (*text).to_owned());
+        let text = text.or_else(|| payload.downcast_ref::<String>().cloned());
+        let said = text.map_or_else(String::new, |text| format!(" ({text})"));
+        Err(anyhow!(
+            "a fault of linden stopped it{said}; report it with this tree's points, and try scan_radius=pipe"
+        ))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_is_the_error_of_one_tree() {
+        let work =
+            |number: i32| caught(|| if number == 2 { panic!("min > max at {number}") } else { Ok(number) });
+        let rows: Vec<anyhow::Result<i32>> = (1..=3).map(work).collect();
+        assert_eq!(rows.iter().filter_map(|row| row.as_ref().ok()).collect::<Vec<_>>(), [&1, &3]);
+        let error = rows[1].as_ref().unwrap_err().to_string();
+        assert!(error.contains("a fault of linden") && error.contains("min > max at 2"), "{error}");
+        // On threads of a pool, too.
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let of_pool = pool.install(|| caught(|| Ok(rayon::join(|| 1_i32, || -> i32 { panic!("there") }))));
+        assert!(of_pool.unwrap_err().to_string().contains("(there)"));
     }
 }

@@ -409,7 +409,8 @@ impl Round {
                     (Some(a), None) => guess(node) * (radius(a) / guess(nodes[a])).clamp(0.67, 1.5),
                     (None, Some(b)) => {
                         let times = (radius(b) / guess(nodes[b])).clamp(0.67, 1.5);
-                        (guess(node) * times).clamp(radius(b), 1.3 * radius(b))
+                        // No clamp, which panics where its bounds cross: wood is thicker than nothing, whatever circles say.
+                        (guess(node) * times).min(1.3 * radius(b)).max(radius(b))
                     }
                     (None, None) => guess(node).max(least[node as usize]),
                 };

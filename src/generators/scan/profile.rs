@@ -66,7 +66,9 @@ fn on_line(rings: &[Ring], i: usize) -> f64 {
     let at_own = |ring: &Ring| ring.circle.radius_m - slope * (ring.along_m - rings[i].along_m);
     let line_m = median(around().map(at_own)).unwrap_or(own_m);
     let spread_m = SD_PER_MAD * median(around().map(|ring| (at_own(ring) - line_m).abs())).unwrap_or(0.0);
-    if (own_m - line_m).abs() > (OFF * spread_m).max(BENT * line_m) { line_m } else { own_m }
+    // Few circles far apart, or in a heap before a gap, make a steep line: where it runs out of the wood it says nothing.
+    let is_off = (own_m - line_m).abs() > (OFF * spread_m).max(BENT * line_m);
+    if is_off && line_m > 0.0 { line_m } else { own_m }
 }
 
 /// The radii that shrink (or stay) from each to the next, nearest to those given in the least squares weighted by how sure they
@@ -132,6 +134,17 @@ mod tests {
             of(&rings(&[0.4, 0.39, 0.38, 0.7, 0.8, 0.37, 0.36])).map(|(ring, _)| ring.node).collect();
         assert_eq!(kept, [0, 1, 2, 5, 6]);
         assert_eq!(of(&[]).count(), 0);
+    }
+
+    /// Those of a heap after a gap, at the same places as steep as they are far from it.
+    #[test]
+    fn a_line_that_runs_out_of_the_wood_says_nothing() {
+        let mut given = rings(&[0.3, 0.2, 0.1, 0.1]);
+        for (ring, along_m) in given.iter_mut().zip([0.0, 0.1, 0.2, 3.0]) {
+            ring.along_m = along_m;
+        }
+        let found: Vec<f64> = of(&given).map(|(_, radius_m)| radius_m).collect();
+        assert!(found.iter().all(|&radius_m| radius_m >= 0.1 - 1e-9), "{found:?}");
     }
 
     #[test]
