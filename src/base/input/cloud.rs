@@ -27,6 +27,8 @@ pub struct Cloud {
     pub is_ground: Option<Vec<bool>>,
     /// The units of the map that the file says it is drawn on, where they are not metres.
     pub units: Option<MapUnits>,
+    /// Whether the file's format itself says that Z is up, as LAS does, and not only custom.
+    pub is_z_up: bool,
     /// Rows of a table that were left out, since a coordinate is missing or NaN.
     pub placeless_rows: u64,
     /// Whether the first of four columns counted rows and was passed over, though no header says so.

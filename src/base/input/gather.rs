@@ -210,6 +210,7 @@ impl Cloud {
             unnamed: self.unnamed.clone(),
             unnumbered: self.unnumbered.clone(),
             units: self.units,
+            is_z_up: self.is_z_up,
             placeless_rows: self.placeless_rows,
             has_row_numbers: self.has_row_numbers,
             ..kept.finish()

@@ -118,7 +118,7 @@ fn read_all(
     match (total, points.came()) {
         (0, _) => Err(whole("it holds no points: its header announces 0 records; export it anew")),
         (_, 0) => Err(whole(&format!("all of its {total} records are withheld or noise (classes 7 and 18)"))),
-        _ => Ok(Cloud { units: units(reader.header()), ..points.finish() }),
+        _ => Ok(Cloud { units: units(reader.header()), is_z_up: true, ..points.finish() }),
     }
 }
 

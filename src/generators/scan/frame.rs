@@ -32,10 +32,17 @@ pub enum UpGuess {
 
 /// Which of Y and Z points up in `points` (in the file's axes), where it is `usual` in such files.
 ///
-/// By a stem below a crown where there is one; else by how much more the cloud looks like a tree that stands along one axis
-/// than along the other: slender and narrow at an end, narrow at its foot, and with level slices about one axis.
+/// By coordinates that are no heights, as the northings of a map are; by a stem below a crown where there is one; else by how
+/// much more the cloud looks like a tree that stands along one axis than along the other: slender and narrow at an end, narrow at
+/// its foot, and with level slices about one axis. What would be wider than high stands along no other axis than the usual one by
+/// its looks alone: it is a plot, or a tree with the ground around it.
 pub fn guess_up(points: &[DVec3], usual: Up) -> UpGuess {
     let other = if usual == Up::Y { Up::Z } else { Up::Y };
+    match [usual, other].map(|axis| is_of_map(points, axis)) {
+        [true, false] => return UpGuess::Other(other),
+        [false, true] => return UpGuess::Usual,
+        _ => {}
+    }
     let (Some(of_usual), Some(of_other)) = (Standing::along(points, usual), Standing::along(points, other))
     else {
         return UpGuess::Usual;
@@ -45,7 +52,8 @@ pub fn guess_up(points: &[DVec3], usual: Up) -> UpGuess {
     // The tip of a limb is as narrow as a foot.
     let has_stem = of_usual.foot > WIDE && of_other.foot < NARROW && upright < 0.0;
     match upright {
-        upright if has_stem || upright <= LYING => UpGuess::Other(other),
+        _ if has_stem && of_other.slender >= LEAST_WITH_STEM => UpGuess::Other(other),
+        upright if upright <= LYING && of_other.slender >= LEAST_SLENDER => UpGuess::Other(other),
         upright if upright < DOUBTFUL => UpGuess::Undecided,
         _ => UpGuess::Usual,
     }
@@ -56,6 +64,24 @@ pub fn guess_up(points: &[DVec3], usual: Up) -> UpGuess {
 /// (0); a strip of a plot has 0.5 against it at most.
 const LYING: f64 = -0.6;
 const DOUBTFUL: f64 = 0.2;
+
+/// By so many times higher than wide a cloud stands along the other axis by its looks; and by so many where it has a stem.
+const LEAST_SLENDER: f64 = 1.1;
+const LEAST_WITH_STEM: f64 = 0.6;
+
+/// Coordinates are those of a map, and no heights, where they are larger than this, and than so many times the extent along
+/// that axis: a northing has millions of metres, a tree in millimetres far above the sea has not.
+const MAP: f64 = 100_000.0;
+const MAP_PER_EXTENT: f64 = 200.0;
+
+/// Whether the coordinates along an axis are those of a map.
+fn is_of_map(points: &[DVec3], axis: Up) -> bool {
+    let along = sample(points).into_iter().map(|p| if axis == Up::Y { p.y } else { p.z });
+    range(along).is_some_and(|(low, high)| {
+        let nearest = if low <= 0.0 && high >= 0.0 { 0.0 } else { low.abs().min(high.abs()) };
+        nearest > MAP && nearest > MAP_PER_EXTENT * (high - low)
+    })
+}
 
 /// How much slices about one axis say at most: a single leaning stem has none.
 const MOST_STEADY: f64 = 1.2;
@@ -265,6 +291,38 @@ mod tests {
             })
             .collect();
         assert!(!matches!(guess_up(&strip, Up::Z), UpGuess::Other(_)));
+    }
+
+    /// Spires that lie along y, wider and wider from west to east.
+    #[test]
+    fn what_is_wider_than_high_is_not_laid_down() {
+        let key = Key::new(5);
+        let lying = |wide: f64| -> Vec<DVec3> {
+            (0..8000)
+                .map(|i| {
+                    let [t, turn, out] = [0, 1, 2].map(|k| key.child(i).child(k).unit());
+                    let (reach, turn) = (2.5 * (1.0 - t) * out.sqrt() + 0.1, 7.0 * turn);
+                    DVec3::new(wide * reach * libm::cos(turn), 20.0 * t, reach * libm::sin(turn))
+                })
+                .collect()
+        };
+        assert_eq!(guess_up(&lying(1.0), Up::Z), UpGuess::Other(Up::Y));
+        assert_eq!(guess_up(&lying(3.0), Up::Z), UpGuess::Other(Up::Y));
+        for wide in [4.4, 6.0] {
+            assert_eq!(guess_up(&lying(wide), Up::Z), UpGuess::Undecided);
+        }
+    }
+
+    #[test]
+    fn a_northing_is_no_height() {
+        let lying: Vec<DVec3> = tree();
+        let at = |corner: DVec3| lying.iter().map(|p| *p + corner).collect::<Vec<DVec3>>();
+        let survey = at(DVec3::new(458_000.0, 5_428_000.0, 300.0));
+        assert_eq!(guess_up(&survey, Up::Z), UpGuess::Usual);
+        assert_eq!(guess_up(&survey, Up::Y), UpGuess::Other(Up::Z));
+        // Far above the sea, in millimetres: the stem tells.
+        let high: Vec<DVec3> = lying.iter().map(|p| 1000.0 * (*p + DVec3::Y * 900.0)).collect();
+        assert_eq!(guess_up(&high, Up::Z), UpGuess::Other(Up::Y));
     }
 
     #[test]

@@ -302,7 +302,7 @@ fn planted(
     let scale = settings.scale_of(&cloud);
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
-        let given = Given { points, is_leaf, ground: &ground, up, scale };
+        let given = Given { points, is_leaf, ground: &ground, up, is_up_sure: cloud.is_z_up, scale };
         let Prepared { site, bark, leaf_points, axes } =
             at_points(settings, &given, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;

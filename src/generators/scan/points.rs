@@ -33,6 +33,8 @@ pub(crate) struct Given<'a> {
     pub ground: &'a [DVec3],
     /// The axis that points up in such files.
     pub up: Up,
+    /// Whether the format itself says so.
+    pub is_up_sure: bool,
     /// Metres for a unit, where that is known.
     pub scale: Option<f64>,
 }
@@ -66,7 +68,7 @@ impl FileAxes {
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    &Given { points, is_leaf, ground, up: usual, scale }: &Given<'_>,
+    &Given { points, is_leaf, ground, up: usual, is_up_sure, scale }: &Given<'_>,
     key: Key,
     what: As,
     monitor: &dyn Monitor,
@@ -82,7 +84,7 @@ pub(crate) fn at_points(
     let (up, said) = match settings.growth.given_up().filter(|_| what != As::Grid) {
         Some(up) => (up, None),
         // Who tells ground apart knows what is up.
-        None if is_scan && ground.is_empty() => guessed_up(&points, usual),
+        None if is_scan && ground.is_empty() => guessed_up(&points, usual, is_up_sure),
         None => (usual, None),
     };
     notes.extend(said);
@@ -223,9 +225,11 @@ fn ground_note(points: usize) -> Option<String> {
 }
 
 /// The axis that is up, and what is said of it.
-fn guessed_up(points: &[DVec3], usual: Up) -> (Up, Option<String>) {
+fn guessed_up(points: &[DVec3], usual: Up, is_sure: bool) -> (Up, Option<String>) {
     match crate::guess_up(points, usual) {
         UpGuess::Usual => (usual, None),
+        UpGuess::Other(up) if is_sure => (usual, Some(lying_note(usual, up))),
+        UpGuess::Undecided if is_sure => (usual, None),
         UpGuess::Other(up) => (up, Some(up_note(up))),
         UpGuess::Undecided => (usual, Some(doubt_note(usual))),
     }
@@ -235,6 +239,15 @@ fn up_note(up: Up) -> String {
     let [axis, other] = axes_of(up);
     format!(
         "the tree stands along {axis}, which was taken for up though {other} is usual in such files; up={other} forces that"
+    )
+}
+
+/// Of a format that says which axis is up.
+fn lying_note(usual: Up, found: Up) -> String {
+    let ([axis, _], [other, _]) = (axes_of(usual), axes_of(found));
+    format!(
+        "the points look like a tree that lies along {other}; {axis} is up in files of this format and was taken: up={other} if the \
+         file was written with another axis up"
     )
 }
 
