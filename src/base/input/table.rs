@@ -52,9 +52,24 @@ impl Layout {
         (fields(row, layout.delimiter).count() == self.named).then_some(layout)
     }
 
+    /// What is wrong with a row that has more fields than the header has names: nothing says which of them are x, y and z. An
+    /// empty one at the end is none.
+    pub fn surplus(&self, row: &str) -> Option<String> {
+        let count = count(row, delimiter_of(row, self.delimiter));
+        (self.named > 0 && count > self.named).then(|| {
+            format!("{} columns as in the header, there are {count}: name them all, or put decimal commas in quotes", self.named)
+        })
+    }
+
     /// Whether x, y and z come first and nothing else counts, as without a header.
     pub fn is_usual(&self) -> bool {
         self.columns == [0, 1, 2] && !self.decimal_comma && self.trees.is_empty()
+    }
+
+    /// x, y and z between what parts the columns of a row.
+    pub fn usual(row: &str) -> Self {
+        let delimiter = delimiter(row, false);
+        Self { columns: [0, 1, 2], delimiter, decimal_comma: false, named: 0, trees: Vec::new() }
     }
 
     /// The names of the columns that tell trees apart.
@@ -62,9 +77,11 @@ impl Layout {
         self.trees.iter().map(|(_, title)| title.clone())
     }
 
-    /// The layout of rows with decimal commas, if this is one: between other separators, digits on both sides of a comma.
+    /// The layout of rows with decimal commas, if this is one: between other separators, or in quotes between commas, digits on
+    /// both sides of a comma.
     pub fn of_decimal_commas(row: &str) -> Option<Self> {
-        let delimiter = delimiter(row, true);
+        let between_commas = row.contains('"') && delimiter(row, false) == Some(',');
+        let delimiter = if between_commas { Some(',') } else { delimiter(row, true) };
         let is_decimal = |field: &str| {
             let parts = field.split_once(',');
             parts.is_some_and(|(whole, part)| {
@@ -73,9 +90,11 @@ impl Layout {
             })
         };
         let fields: Vec<&str> = fields(row, delimiter).collect();
-        let decimals = fields.iter().take(3).filter(|field| is_decimal(field)).count();
-        // Between semicolons a comma can be nothing else; between blanks, all three must have one.
-        let is_one = fields.len() >= 3 && decimals >= if delimiter == Some(';') { 1 } else { 3 };
+        let looked_at = if between_commas { fields.len() } else { 3 };
+        let decimals = fields.iter().take(looked_at).filter(|field| is_decimal(field)).count();
+        // Between semicolons, and in quotes, a comma can be nothing else; between blanks, all three must have one.
+        let least = if between_commas || delimiter == Some(';') { 1 } else { 3 };
+        let is_one = fields.len() >= 3 && decimals >= least;
         is_one.then_some(Self {
             columns: [0, 1, 2],
             delimiter,
@@ -139,9 +158,7 @@ impl Layout {
 
 /// Whether a row without a header starts with x, y and z, some of them without a value.
 pub(super) fn lacks_place(row: &str) -> bool {
-    let delimiter = delimiter(row, false);
-    let usual = Layout { columns: [0, 1, 2], delimiter, decimal_comma: false, named: 0, trees: Vec::new() };
-    usual.lacks_place(row)
+    Layout::usual(row).lacks_place(row)
 }
 
 /// A number's text with a point where it has a decimal comma.
@@ -195,16 +212,46 @@ fn coordinate_columns(names: &[String]) -> [Option<usize>; 3] {
     NAMES.map(|known| known.iter().find_map(|name| names.iter().position(|found| found == name)))
 }
 
-/// What parts the columns of a row.
+/// What parts the columns of a row; signs in quotes part nothing.
 fn delimiter(row: &str, decimal_comma: bool) -> Option<char> {
     let candidates: &[char] = if decimal_comma { &[';', '\t'] } else { &[';', ',', '\t'] };
-    candidates.iter().copied().find(|&sign| row.contains(sign))
+    candidates.iter().copied().find(|&sign| row.contains(sign) && fields(row, Some(sign)).nth(1).is_some())
 }
 
+/// What parts the columns of a row, which below a header may be another sign than there.
+fn delimiter_of(row: &str, of_header: Option<char>) -> Option<char> {
+    match Layout::of_decimal_commas(row) {
+        Some(found) => found.delimiter,
+        None => of_header.filter(|&sign| row.contains(sign)).or_else(|| delimiter(row, false)),
+    }
+}
+
+/// How many fields a row has, without an empty last one.
+fn count(row: &str, delimiter: Option<char>) -> usize {
+    let (mut count, mut is_last_empty) = (0, false);
+    for field in fields(row, delimiter) {
+        (count, is_last_empty) = (count + 1, field.is_empty());
+    }
+    count - usize::from(is_last_empty)
+}
+
+/// The fields of a row, with their quotes: what stands in these is one field, whatever signs are in it (RFC 4180).
 fn fields(row: &str, delimiter: Option<char>) -> impl Iterator<Item = &str> {
     // With a sign between columns an empty one counts; between blanks there is none.
     let is_blank = delimiter.is_none();
-    let parts = row.split(move |c: char| delimiter.map_or(c.is_whitespace(), |sign| c == sign));
+    // Whether this is the beginning of a field, and whether that was opened by quotes. Two in a row, which stand for one
+    // inside, close and open them.
+    let (mut is_start, mut is_quoted) = (true, false);
+    let parts = row.split(move |c: char| {
+        if c == '"' && (is_start || is_quoted) {
+            (is_start, is_quoted) = (is_quoted, !is_quoted);
+        } else if !is_quoted {
+            let is_end = delimiter.map_or(c.is_whitespace(), |sign| c == sign);
+            is_start = is_end || is_start && c.is_whitespace();
+            return is_end;
+        }
+        false
+    });
     parts.map(str::trim).filter(move |field| !is_blank || !field.is_empty())
 }
 
@@ -244,6 +291,21 @@ mod tests {
         for header in ["a title", "1 2 3", "x y", "xx yy zz"] {
             assert_eq!(Layout::of_header(header), None, "{header}");
         }
+    }
+
+    #[test]
+    fn what_stands_in_quotes_is_one_field() {
+        for (row, sign, expected) in [
+            (r#""0,090","0,093","-0,001""#, ',', &[r#""0,090""#, r#""0,093""#, r#""-0,001""#][..]),
+            (r#"1, "a ""b"", c" ,2"#, ',', &["1", r#""a ""b"", c""#, "2"]),
+            (r#""a;b";1;"#, ';', &[r#""a;b""#, "1", ""]),
+            ("5\" pipe,1", ',', &["5\" pipe", "1"]),
+            ("\"a\tb\"\t1", '\t', &["\"a\tb\"", "1"]),
+        ] {
+            assert_eq!(fields(row, Some(sign)).collect::<Vec<_>>(), expected, "{row}");
+            assert_eq!(delimiter(row, false), Some(sign), "{row}");
+        }
+        assert_eq!(fields(r#""X [m]" "Y [m]" Z"#, None).count(), 3);
     }
 
     #[test]

@@ -91,6 +91,8 @@ struct Rows<'m> {
     unnamed: Option<[String; 3]>,
     /// What a header says, and how rows are to be read where that is not usual.
     header: Option<Layout>,
+    /// Whether that is a line of its own and no comment: rows have no more columns than it has names.
+    is_header_sure: bool,
     layout: Option<Layout>,
     /// Those that are not read before it is known whether their first column counts them.
     numbered: Option<Numbered>,
@@ -106,6 +108,7 @@ impl<'m> Rows<'m> {
             title: None,
             unnamed: None,
             header: None,
+            is_header_sure: false,
             layout: None,
             numbered: Some(Numbered { rows: Vec::new(), next: 0 }),
             has_row_numbers: false,
@@ -124,6 +127,7 @@ impl<'m> Rows<'m> {
         let came = self.points.came();
         if came == 0 && self.header.is_none() {
             self.header = Layout::of_header(row);
+            self.is_header_sure = self.header.is_some() && !is_comment(row);
         }
         if is_comment(row) || self.hold(line, row)? {
             return Ok(());
@@ -176,6 +180,11 @@ impl<'m> Rows<'m> {
     /// Reads a row that is no comment.
     fn read(&mut self, line: usize, row: &str) -> Result<(), InputError> {
         let came = self.points.came() + self.points.placeless();
+        if let Some(header) = self.header.as_ref().filter(|_| self.is_header_sure)
+            && let Some(expected) = header.surplus(row)
+        {
+            return Err(error(line, &expected, row));
+        }
         if came == 0 {
             let of_header = match &self.header {
                 Some(header) if self.has_row_numbers => Some(header.clone()),
@@ -186,7 +195,8 @@ impl<'m> Rows<'m> {
             self.points.set_columns(self.layout.iter().flat_map(Layout::trees));
             self.unnamed = self.columns_of_title(row)?;
         }
-        let usual = || Ok((position(row)?, Vec::new()));
+        let usual =
+            || Ok((if row.contains('"') { quoted_position(row)? } else { position(row)? }, Vec::new()));
         match self.layout.as_ref().map_or_else(usual, |layout| layout.point(row)) {
             Ok((point, of_trees)) => self.points.push(point, |column| of_trees[column])?,
             Err(_) if self.layout.as_ref().map_or_else(|| lacks_place(row), |it| it.lacks_place(row)) => {
@@ -281,6 +291,11 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
     Ok(DVec3::from(position))
 }
 
+/// The same of a row with quotes.
+fn quoted_position(row: &str) -> Result<DVec3, String> {
+    Layout::usual(row).point(row).map(|(position, _)| position)
+}
+
 /// Whether a line is a header and no broken row: its first word is no number, not even `nan`.
 fn is_words(row: &str) -> bool {
     let first = row.split([' ', '\t', ',', ';']).next().unwrap_or_default();
@@ -326,6 +341,14 @@ mod tests {
             "//R G B X Y Z\n0 0 0 1.5 -2 3\n0 0 0 4 0.005 -6.25\n",
             "name;\"X [m]\";\"Y [m]\";\"Z [m]\"\noak;1,5;-2;3\noak;4;0,005;-6,25\n",
             "1\n1.5 -2 3 0.5\n1\n4 0.005 -6.25 0.5\n",
+            "x,y,z\n\"1,5\",\"-2,0\",\"3,0\"\n\"4,0\",\"0,005\",\"-6,25\"\n",
+            "\"1,5\",\"-2,0\",\"3,0\"\n\"4,0\",\"0,005\",\"-6,25\"\n",
+            "x;y;z\n\"1,5\";\"-2,0\";\"3,0\"\n4;\"0,005\";\"-6,25\"\n",
+            "x\ty\tz\n\"1,5\"\t\"-2,0\"\t\"3,0\"\n\"4,0\"\t\"0,005\"\t\"-6,25\"\n",
+            "name,x,y,z\n\"oak, old\",1.5,-2,3\noak,4,0.005,-6.25\n",
+            "\"1.5\",\"-2\",\"3\"\n\"4\",\"0.005\",\"-6.25\",\"a, b\"\n",
+            "x,y,z,\n1.5,-2,3,\n4,0.005,-6.25\n",
+            "x,y,z\n1.5,-2,3,\n4,0.005,-6.25,\n",
         ] {
             assert_eq!(read(text).as_deref(), Ok(&expected[..]), "{text:?}");
         }
@@ -456,6 +479,25 @@ mod tests {
             let InputError::Line { line: at, expected: said, .. } = &found else { panic!("{found}") };
             assert_eq!((*at, said.as_str()), (line, expected), "{text:?}");
         }
+    }
+
+    #[test]
+    fn rows_with_more_fields_than_the_header_are_refused_by_their_line() {
+        for (text, line, count) in [
+            ("x,y,z\n0,090,0,093,-0,001\n", 2, 6),
+            ("x,y,z\n1,2,3\n1,2,3,4\n", 3, 4),
+            ("x y z\n1 0.5 2 3\n", 2, 4),
+            ("id;x;y;z\n1;1,5;2;3;4\n", 2, 5),
+        ] {
+            let found = read(text).unwrap_err().to_string();
+            let expected = format!("there are {count}");
+            assert!(
+                found.contains(&format!("line {line}")) && found.contains(&expected),
+                "{text:?}: {found}"
+            );
+        }
+        // A comment may say less.
+        assert!(read("# x y z\n1 2 3 255\n").is_ok());
     }
 
     #[test]
