@@ -11,11 +11,14 @@ use linden_plant::foliage::{self, FoliageError, Organs};
 use linden_skeleton::edit::{AxisPath, AxisPaths, Edit, EditError, Edited, Operation, Origins, Remark, edit};
 use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
-use linden_skeleton::{AxisRule, Girth, NO_PARENT, RadiusSource, Skeleton, SkeletonError, Wood};
+use linden_skeleton::{
+    AxisRule, BREAST_HEIGHT_M, Girth, NO_PARENT, RadiusFit, RadiusSource, Skeleton, SkeletonError, Wood,
+};
 
 use crate::preset::{Form, Preset};
 use crate::provenance::TreeHash;
 use crate::recipe::{InputsError, Recipe};
+use crate::report::breast_fit;
 
 pub use linden_skeleton::generator::{Colonized, Fit, Gaps, Obstruction, Obstructs, Scanned, Spread};
 
@@ -281,6 +284,7 @@ pub fn grow_as(
     let mut branched = generator.grow(&recipe.task(), monitor)?;
     let wood = whole.map_or(*wood, |whole| wood.when_young(&whole, &Girth::of(&branched.branching)));
     let colonized = branched.colonized.take();
+    let is_canopy = colonized.as_ref().is_some_and(|colonized| colonized.is_canopy);
     let measured = branched.measured.as_ref().map_or(0, |measured| measured.bytes());
     let held = branched.organs.bytes() + measured + colonized.as_ref().map_or(0, Colonized::bytes);
     let monitor: &dyn Monitor = &Holding::new(monitor, held);
@@ -288,7 +292,7 @@ pub fn grow_as(
         measured.admit(&branched.branching, monitor)?;
     }
     let Built { mut skeleton, wood, organs, measured_nodes } =
-        build(&mut branched, &recipe.preset, &wood, monitor)?;
+        build(&mut branched, &recipe.preset, &wood, is_canopy, monitor)?;
     let mut scan = None;
     if let Some(measured) = branched.measured.take()
         && let Some(Gaps { fit, of_points_m, of_nodes_m }) = measured.gaps(&skeleton, monitor)?
@@ -512,18 +516,33 @@ struct Built {
     measured_nodes: usize,
 }
 
-/// What is said of a scan whose trunk shows no circle.
+/// What is said of a scan whose trunk shows no circle at breast height.
 fn trunk_note(skeleton: &Skeleton) -> Option<String> {
     let axes = skeleton.trunk();
-    let mut nodes = axes.iter().flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize]));
-    let is_measured = |node: &u32| {
-        skeleton.fits.get(*node as usize).is_some_and(|fit| fit.source == RadiusSource::Measured)
+    let nodes: Vec<u32> =
+        axes.iter().flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize])).copied().collect();
+    let source = |node: &u32| skeleton.fits.get(*node as usize).map(|fit| fit.source);
+    if skeleton.fits.is_empty() {
+        return None;
+    }
+    if !nodes.iter().any(|node| source(node) == Some(RadiusSource::Measured)) {
+        return Some(
+            "no circle was believed on the trunk: its diameter is a guess by the wood that it bears; give base_radius \
+             if you know it"
+                .to_owned(),
+        );
+    }
+    let at_breast = breast_fit(skeleton, &nodes).filter(|_| is_higher_than_breast(skeleton, &nodes))?;
+    let how = match at_breast.source {
+        RadiusSource::Measured => return None,
+        RadiusSource::Carried => "carried on from circles above and below",
+        RadiusSource::Guessed => "a guess by circles elsewhere and the wood that it bears",
     };
-    (!skeleton.fits.is_empty() && !nodes.any(is_measured)).then(|| {
-        "no circle was believed on the trunk: its diameter is a guess by the wood that it bears; give base_radius \
-         if you know it"
-            .to_owned()
-    })
+    Some(format!("no circle was believed at breast height: the diameter there is {how}"))
+}
+
+fn is_higher_than_breast(skeleton: &Skeleton, trunk: &[u32]) -> bool {
+    skeleton.climbed_m(trunk).last().is_some_and(|&climbed_m| climbed_m >= BREAST_HEIGHT_M)
 }
 
 /// What all generators' branchings go through: refinement, which takes the organs along, then axes
@@ -532,6 +551,7 @@ fn build(
     branched: &mut Branched,
     preset: &Preset,
     wood: &Wood,
+    is_canopy: bool,
     monitor: &dyn Monitor,
 ) -> Result<Built, GrowError> {
     let mut branching = std::mem::take(&mut branched.branching);
@@ -553,12 +573,15 @@ fn build(
         branching = refine(branching, used, &mut riders, &preset.refinement, room, monitor)?;
         organs.follow(&riders);
     }
-    let mut fits = Vec::new();
-    if let Some(measured) = &branched.measured
-        && let Some(found) = measured.measure(&mut branching, wood, monitor)?
-    {
-        fits = found;
-    }
+    let found = match &branched.measured {
+        Some(measured) => measured.measure(&mut branching, wood, monitor)?,
+        None => None,
+    };
+    let is_measured = found.is_some();
+    // A scan says of each radius where it is from, also where nobody measures it.
+    let is_scan = branched.measured.is_some() || is_canopy;
+    let guessed = || vec![RadiusFit::GUESSED; if is_scan { branching.positions.len() } else { 0 }];
+    let fits = found.unwrap_or_else(guessed);
     branching.admit_build(wood, monitor)?;
     let wood = wood.settled(branching.radii.is_some(), branching.edges.is_some());
     let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
@@ -566,7 +589,7 @@ fn build(
     skeleton.fits = fits;
     // No step of refinement takes a foot away, or puts it before another.
     skeleton.trees = std::mem::take(&mut branched.trees);
-    branched.notes.extend(trunk_note(&skeleton));
+    branched.notes.extend(trunk_note(&skeleton).filter(|_| is_measured));
     let side = &preset.refinement.side;
     if !side.add_to(&mut skeleton, preset.wood_key().named("side"), branched.most_nodes, monitor)? {
         branched.notes.push(
@@ -685,6 +708,35 @@ mod tests {
             assert!((lines.min - bounds.min).length() < 1e-4 && (lines.max - bounds.max).length() < 1e-4);
             assert!(grown.skeleton.positions.len() > 1000);
         }
+    }
+
+    /// A wire of 3 m with a fork: far thinner than its points are exact.
+    #[test]
+    fn a_scan_without_a_circle_says_that_all_is_guessed() {
+        let key = linden_base::random::Key::new(4);
+        let mut rows = String::new();
+        for i in 0..3000_u64 {
+            let along = i as f64 * 1e-3;
+            let out = (along - 2.0).max(0.0) * if i % 2 == 0 { 0.5 } else { -0.5 };
+            let [x, y] = ["x", "y"].map(|name| 2e-3 * key.named(name).child(i).normal());
+            rows.push_str(&format!("{} {y} {along}\n", x + out));
+        }
+        let grown = |radius: &str| {
+            let mut preset = Preset::of_points("wire", "wire.xyz");
+            preset.set("scan_radius", radius).unwrap();
+            let mut recipe = Recipe::new(preset);
+            let input = crate::recipe::Input::read("wire.xyz", rows.as_bytes(), &Quiet).unwrap();
+            recipe.inputs.insert("wire.xyz", input);
+            let grown = grow(&recipe, &Quiet).unwrap();
+            let report = crate::report::Report::of(&recipe, &grown, &Quiet).unwrap();
+            let is_noted =
+                grown.notes.iter().any(|note| note.contains("no circle was believed on the trunk"));
+            (report.dbh_m.is_some(), report.dbh_source, report.measured_volume_share, is_noted)
+        };
+        let guessed = |is_noted| (true, Some("guessed".to_owned()), Some(0.0), is_noted);
+        assert_eq!(grown("points"), guessed(true));
+        // None was looked for.
+        assert_eq!(grown("pipe"), guessed(false));
     }
 
     #[test]

@@ -441,13 +441,14 @@ impl Measured for Bark {
         if !self.measures {
             return Ok(None);
         }
-        let girth = girth(branching, &self.points, wood, monitor)?;
-        Ok(girth.map(|Girth { radii, fits, placed, .. }| {
-            branching.radii = Some(radii);
-            // Measured again, the first stands: it is looked at only where the wood is the same.
-            let _ = self.placed.set(placed);
-            fits
-        }))
+        let Some(Girth { radii, fits, placed, .. }) = girth(branching, &self.points, wood, monitor)? else {
+            // They were looked for: the rule for radii decides.
+            return Ok(Some(vec![RadiusFit::GUESSED; branching.positions.len()]));
+        };
+        branching.radii = Some(radii);
+        // Measured again, the first stands: it is looked at only where the wood is the same.
+        let _ = self.placed.set(placed);
+        Ok(Some(fits))
     }
 
     fn gaps(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Gaps>, Cancelled> {

@@ -317,7 +317,7 @@ fn lowest_lateral_m(skeleton: &Skeleton, floor_m: f64) -> Option<f64> {
 }
 
 /// What bears out the radius at breast height.
-fn breast_fit(skeleton: &Skeleton, trunk: &[u32]) -> Option<RadiusFit> {
+pub(crate) fn breast_fit(skeleton: &Skeleton, trunk: &[u32]) -> Option<RadiusFit> {
     let off_m = |climbed_m: &f64| (climbed_m - BREAST_HEIGHT_M).abs();
     let climbed_m = skeleton.climbed_m(trunk);
     let nearest = trunk.iter().zip(&climbed_m).min_by(|a, b| off_m(a.1).total_cmp(&off_m(b.1)))?;

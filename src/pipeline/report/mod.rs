@@ -19,6 +19,7 @@ use linden_plant::surface::SurfaceError;
 use crate::grow::Grown;
 use crate::recipe::Recipe;
 use figures::Figures;
+pub(crate) use figures::breast_fit;
 
 pub use figures::DIAMETERS_M;
 pub use reading::{Corners, Reading};

@@ -215,7 +215,7 @@ numbers! {
         "how much of the turn the points of that circle cover; null where there is none"
         ("") = |f| f.breast_fit.map(|fit| fit.arc_deg());
     dbh_source: Option<String>, Stem "is" [""] Wood
-        "where dbh_m of a scan is from: measured on points, carried on between nodes that were, or guessed by the wood that the stem bears; null for what is no scan"
+        "where dbh_m of a scan is from: measured on points, carried on between nodes that were, or guessed by the wood that the stem bears, as all is where no circle is believed; null for what is no scan"
         ("") = |f| f.breast_source.map(|source| source.word().to_owned());
     stem_lean_deg: f64, Stem "lean" ["°"] Wood
         "the angle between the upright and the line from the foot of the stem that is thickest there to its top"
@@ -284,7 +284,7 @@ numbers! {
         ("Pretzsch 2009") = |f| f.tubes.by_diameter_m3.clone();
 
     measured_volume_share: Option<f64>, Wood "share measured" [""] Wood
-        "the share of cylinder_volume_m3 whose radii were measured on the points of a scan; the others were carried on or guessed; null for what is no scan"
+        "the share of cylinder_volume_m3 whose radii were measured on the points of a scan; the others were carried on or guessed; 0 of a scan without a measured one, null for what is no scan"
         ("Morales & MacFarlane 2024, Reducing tree volume overestimation in quantitative structure models") = |f| f.measured_volume_share();
 
     axes: usize, Branching "axes" [""] Wood
