@@ -115,7 +115,8 @@ fn models_of_matlab_files_are_trees() {
     // The second is twice as thick.
     let one = PI * 0.0241;
     for (args, times) in [
-        (&["two.mat"][..], 5.0),
+        // Models of one tree: the first.
+        (&["two.mat"][..], 1.0),
         (&["two.mat", "--set", "table_tree=1"], 1.0),
         (&["two.mat", "--set", "table_tree=2"], 4.0),
     ] {

@@ -26,6 +26,10 @@ const STOUTEST: f64 = 0.25;
 /// A cylinder that ends this near to where the one above begins ends there: what is left is rounding, metres.
 const ROUNDING_M: f64 = 0.002;
 
+/// Models of `TreeQSM` whose feet are nearer to each other than this, metres, are of one tree: the cover sets of each run begin
+/// anew, so that they differ by some centimetres.
+const SAME_FOOT_M: f64 = 0.3;
+
 /// A table of cylinders.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CylinderTable {
@@ -41,6 +45,25 @@ impl CylinderTable {
     /// How many cylinders there are.
     pub fn count(&self) -> usize {
         self.trees.iter().map(Vec::len).sum()
+    }
+
+    /// For each tree, the first one of which it is another model, in metres of the same foot: `TreeQSM` makes several models of a
+    /// tree, since its runs differ, and keeps them in one array. In other tables each tree is itself.
+    pub fn models_of(&self) -> Vec<usize> {
+        let foot = |tree: usize| self.trees[tree].first().map(|row| row.start);
+        let mut firsts: Vec<usize> = Vec::new();
+        let mut models_of = Vec::with_capacity(self.trees.len());
+        for tree in 0..self.trees.len() {
+            let is_same = |&first: &usize| match (foot(tree), foot(first)) {
+                (Some(a), Some(b)) => a.distance(b) <= SAME_FOOT_M,
+                _ => false,
+            };
+            let is_of_runs = self.dialect == CylinderDialect::TreeQsm;
+            let first = firsts.iter().copied().find(is_same).filter(|_| is_of_runs);
+            firsts.extend(if first.is_none() { Some(tree) } else { None });
+            models_of.push(first.unwrap_or(tree));
+        }
+        models_of
     }
 }
 

@@ -85,7 +85,7 @@ impl QsmSettings {
             "table_tree",
             integer(0, 1_000_000),
             "",
-            "which tree of a table of cylinders, from 1 in the order of the file; 0: all of them, which tables number again",
+            "which tree of a table of cylinders, from 1 in the order of the file; 0: all of them, which tables number again; of several models of one tree the first",
             table_tree
         ),
         field!(
@@ -184,14 +184,18 @@ impl Settings for QsmSettings {
     fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
         let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
         let line = format!("{}{}", self.file, extent.unwrap_or_default());
-        vec![Passage { heading: "cylinders", lines: vec![line] }]
+        let several = self.table(inputs).ok().and_then(|(table, _)| Several::of(table));
+        vec![Passage {
+            heading: "cylinders",
+            lines: std::iter::once(line).chain(several.map(|it| it.line())).collect(),
+        }]
     }
 
     fn trees(&self, inputs: &Inputs, _: &dyn Monitor) -> Result<Option<InputTrees>, GeneratorError> {
         // What is wrong with a table is said by who grows it.
         let of_table = |(table, _): (&CylinderTable, _)| {
-            let counts = table.trees.iter().map(Vec::len);
-            let (told_by, numbers) = (printable(&self.file), (1..).zip(counts).collect());
+            let counts = firsts(table).into_iter().map(|tree| (tree as u32 + 1, table.trees[tree].len()));
+            let (told_by, numbers) = (printable(&self.file), counts.collect());
             InputTrees { knob: "table_tree", told_by, made_of: "cylinders", numbers }
         };
         let trees = self.table(inputs).ok().filter(|_| self.table_tree == 0).map(of_table);
@@ -212,23 +216,26 @@ impl Settings for QsmSettings {
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
         let (table, up) = self.table(task.inputs).map_err(GeneratorError::failed)?;
-        let chosen = match (self.table_tree as usize).checked_sub(1) {
-            None => &table.trees[..],
-            Some(index) => table.trees.get(index..=index).ok_or_else(|| {
-                GeneratorError::failed(QsmError::NoSuchTree {
-                    file: self.file.clone(),
-                    asked: self.table_tree,
-                    trees: table.trees.len(),
-                })
-            })?,
+        let chosen: Vec<&[CylinderRow]> = match (self.table_tree as usize).checked_sub(1) {
+            None => firsts(table).into_iter().map(|tree| &table.trees[tree][..]).collect(),
+            Some(index) => {
+                let tree = table.trees.get(index).ok_or_else(|| {
+                    GeneratorError::failed(QsmError::NoSuchTree {
+                        file: self.file.clone(),
+                        asked: self.table_tree,
+                        trees: table.trees.len(),
+                    })
+                })?;
+                vec![&tree[..]]
+            }
         };
         // A link may join each cylinder to the one below.
-        let most = 3 * chosen.iter().map(Vec::len).sum::<usize>() as u64;
+        let most = 3 * chosen.iter().map(|tree| tree.len()).sum::<usize>() as u64;
         monitor.admit("making a tree of cylinders", most * nodes::BYTES_PER_NODE, "take a smaller table")?;
-        let foot = chosen.iter().flatten().next().map_or(DVec3::ZERO, |row| row.start);
+        let foot = chosen.iter().copied().flatten().next().map_or(DVec3::ZERO, |row| row.start);
         let shift = if self.table_place { DVec3::ZERO } else { foot };
         let mut builder = Builder::new(up, shift, task.wood.width_steps);
-        for tree in chosen {
+        for tree in &chosen {
             monitor.check()?;
             builder.add(tree);
         }
@@ -242,7 +249,8 @@ impl Settings for QsmSettings {
             ));
         }
         notes.extend(builder.note());
-        notes.extend(thin_note(chosen));
+        notes.extend(thin_note(&chosen));
+        notes.extend(Several::of(table).filter(|_| self.table_tree == 0).map(|it| it.note(&self.file)));
         let trees = if chosen.len() > 1 { builder.trees().to_vec() } else { Vec::new() };
         Ok(Branched {
             branching: builder.finish(),
@@ -255,9 +263,58 @@ impl Settings for QsmSettings {
     }
 }
 
+/// The trees of a table, without further models of one of them.
+fn firsts(table: &CylinderTable) -> Vec<usize> {
+    let models_of = table.models_of();
+    (0..models_of.len()).filter(|&tree| models_of[tree] == tree).collect()
+}
+
+/// How many trees and models a table has, where it has more than one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Several {
+    trees: usize,
+    models: usize,
+}
+
+impl Several {
+    fn of(table: &CylinderTable) -> Option<Self> {
+        let (trees, models) = (firsts(table).len(), table.trees.len());
+        (models > 1).then_some(Self { trees, models })
+    }
+
+    /// As a page shows it.
+    fn line(self) -> String {
+        match self {
+            Self { trees: 1, models } => {
+                format!("{models} models of one tree; table_tree=N takes one, else the first is")
+            }
+            Self { trees, models } if models > trees => {
+                format!("{trees} trees, {models} models of them; table_tree=N takes one")
+            }
+            Self { trees, .. } => format!("{trees} trees; table_tree=N takes one"),
+        }
+    }
+
+    /// What is said where all are asked for.
+    fn note(self, file: &str) -> String {
+        let (file, Self { trees, models }) = (printable(file), self);
+        let of_models = format!(
+            "{file} has {models} models of {}, whose feet are at one place, as runs of TreeQSM leave them; the first was taken{}; \
+             table_tree=N takes another",
+            if trees == 1 { "one tree".to_owned() } else { format!("{trees} trees") },
+            if trees == 1 { "" } else { " of each, and all trees for one plant" },
+        );
+        let of_trees = format!(
+            "{file} tells {trees} trees apart, and all of its cylinders were taken for one plant; table_tree=N takes one of them, \
+             'linden export {file} -o trees/' grows each"
+        );
+        if models > trees { of_models } else { of_trees }
+    }
+}
+
 /// What is said of cylinders whose radius is 0: wood has one, and is made as thin as any may be.
-fn thin_note(trees: &[Vec<CylinderRow>]) -> Option<String> {
-    let count = trees.iter().flatten().filter(|row| row.radius_m == 0.0).count();
+fn thin_note(trees: &[&[CylinderRow]]) -> Option<String> {
+    let count = trees.iter().copied().flatten().filter(|row| row.radius_m == 0.0).count();
     let (cylinders, have) = if count == 1 { ("cylinder", "has") } else { ("cylinders", "have") };
     (count > 0).then(|| {
         format!(
@@ -275,4 +332,49 @@ fn scale_note(scale: f64) -> Option<String> {
             "no tree is so large in metres: the table was taken for {unit} (times {scale}); write it in metres if that is wrong"
         )
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::input::CylinderDialect;
+
+    use super::*;
+
+    /// Poles of 2 m at these places along x, the later the thicker.
+    fn table(dialect: CylinderDialect, feet: &[f64]) -> CylinderTable {
+        let pole = |(&x, number): (&f64, u32)| {
+            let start = DVec3::new(x, 0.0, 0.0);
+            vec![CylinderRow {
+                parent: None,
+                start,
+                end: start + 2.0 * DVec3::Z,
+                along: None,
+                radius_m: 0.1 * f64::from(number),
+                end_radii_m: None,
+                branch: None,
+                birth: None,
+                nodes: None,
+            }]
+        };
+        CylinderTable { dialect, scale: 1.0, trees: feet.iter().zip(1..).map(pole).collect() }
+    }
+
+    #[test]
+    fn models_with_one_foot_are_runs_of_one_tree() {
+        use CylinderDialect::{Raycloudtools, TreeQsm};
+        let of = |dialect, feet: &[f64]| {
+            let table = table(dialect, feet);
+            (firsts(&table), Several::of(&table).map(|it| it.note("a.mat")))
+        };
+        assert_eq!(of(TreeQsm, &[5.0]), (vec![0], None));
+        let (trees, note) = of(TreeQsm, &[5.0, 5.05, 4.97]);
+        assert!(trees == [0] && note.unwrap().contains("3 models of one tree"));
+        let (trees, note) = of(TreeQsm, &[5.0, 20.0, 5.1, 20.0]);
+        assert!(trees == [0, 1] && note.unwrap().contains("4 models of 2 trees"));
+        let (trees, note) = of(TreeQsm, &[5.0, 20.0]);
+        assert!(trees == [0, 1] && note.unwrap().contains("tells 2 trees apart"));
+        // A stool has several stems, and no runs.
+        let (trees, note) = of(Raycloudtools, &[5.0, 5.1]);
+        assert!(trees == [0, 1] && note.unwrap().contains("tells 2 trees apart"));
+    }
 }
