@@ -47,6 +47,8 @@ struct StatsReport {
     #[serde(flatten)]
     report: Report,
     scan: Option<Scan>,
+    /// What is said of source and tree on standard error: what was guessed, left out or not found.
+    notes: Vec<String>,
     /// Whether all wood is one surface.
     #[serde(skip)]
     is_solid: bool,
@@ -148,6 +150,7 @@ impl StatsReport {
             generator: source.recipe.preset.grows_by().id(),
             report,
             scan: Scan::of(&grown),
+            notes: source.notes.iter().chain(&grown.notes).cloned().chain(source.tree_note(&grown)).collect(),
             is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
             seconds: Seconds { grow: grow_s, dress: started.elapsed().as_secs_f64() },
         })
