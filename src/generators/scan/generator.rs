@@ -389,10 +389,17 @@ fn units_note(settings: &ScanSettings, cloud: &Cloud) -> Option<String> {
     })
 }
 
-/// Steps of single precision are coarse where a cloud has fewer of them along its longest side.
+/// Steps of single precision are coarse where a cloud has fewer of them along its longest side;
 const FEW_STEPS: f64 = 20_000.0;
 
-/// What is said of coordinates so far from 0 that single precision, in which all of them are, is coarse there.
+/// and those of any type where it has fewer than details of a tree are looked for along its height.
+const FEW_VALUES: usize = crate::DETAILS_PER_HEIGHT as usize;
+
+/// Fewer points may have few values by chance.
+const MANY_POINTS: usize = 1000;
+
+/// What is said of coordinates that stand on a grid: so far from 0 that single precision, in which all of them are, is coarse
+/// there, or with few values along an axis, however they were written.
 fn steps_note(points: &[DVec3]) -> Option<String> {
     let is_single = |p: &DVec3| p.to_array().iter().all(|&x| f64::from(x as f32) == x);
     let low = points.iter().copied().reduce(DVec3::min)?;
@@ -400,12 +407,38 @@ fn steps_note(points: &[DVec3]) -> Option<String> {
     let farthest = low.abs().max_element().max(high.abs().max_element());
     let step = f64::from((farthest as f32).next_up() - farthest as f32);
     let is_coarse = (high - low).max_element() < FEW_STEPS * step && high != low;
-    (is_coarse && points.iter().all(is_single)).then(|| {
-        format!(
+    if is_coarse && points.iter().all(is_single) {
+        return Some(format!(
             "all coordinates are numbers of single precision, which {farthest:.0} from 0 lie {step} apart: the points stand on a \
              grid; export them with double precision, or moved near 0 (a global shift)"
-        )
-    })
+        ));
+    }
+    let longest = (high - low).max_element();
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    let (axis, step) = axes
+        .filter_map(|(at, axis)| Some((axis, coarse_step(points, at, longest)?)))
+        .reduce(|widest, other| if other.1 > widest.1 { other } else { widest })?;
+    let step = format!("{step:.6}");
+    Some(format!(
+        "coordinates along {axis} lie {} and more apart, as those do that were single precision far from 0 once, or are rounded: the \
+         points stand on a grid; export them from the source with double precision and more digits",
+        step.trim_end_matches('0').trim_end_matches('.')
+    ))
+}
+
+/// How far apart the values along an axis are, where they are few for so many points, and coarse beside the cloud's longest side.
+fn coarse_step(points: &[DVec3], axis: usize, longest: f64) -> Option<f64> {
+    let sample = crate::frame::sample(points);
+    let mut values: Vec<f64> = sample.iter().map(|p| p[axis]).collect();
+    values.sort_unstable_by(f64::total_cmp);
+    let extent = values.last()? - values.first()?;
+    let count = values.len();
+    // Rounding of what is written, and of feet that became metres, makes no other value.
+    values.dedup_by(|b, a| *b - *a <= 1e-9 * extent);
+    let is_few = count >= MANY_POINTS && values.len() > 2 && values.len() < FEW_VALUES.min(count / 4);
+    let gaps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    let step = gaps.fold(f64::INFINITY, f64::min);
+    (is_few && step * FEW_VALUES as f64 > longest).then_some(step)
 }
 
 /// Points on the bark of the tree, where it stands.
@@ -457,5 +490,37 @@ impl Measured for Bark {
 
     fn into_points(self: Box<Self>) -> Vec<Vec3> {
         self.points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::random::Key;
+
+    use super::*;
+
+    /// A pole of 8 m, its coordinates rounded to steps, in a survey's corner.
+    fn pole(steps: [f64; 3]) -> Vec<DVec3> {
+        let key = Key::new(2);
+        let corner = DVec3::new(448_123.0, 5_428_000.0, 300.0);
+        let point = |i: u64| {
+            let (sin, cos) = libm::sincos(7.0 * key.child(i).named("turn").unit());
+            let p = DVec3::new(0.4 * cos, 0.4 * sin, 8.0 * key.child(i).named("up").unit());
+            DVec3::from_array([0, 1, 2].map(|axis| libm::round(p[axis] / steps[axis]) * steps[axis])) + corner
+        };
+        (0..6000).map(point).collect()
+    }
+
+    #[test]
+    fn coordinates_on_a_grid_are_noticed_whatever_their_type() {
+        let said = |steps| steps_note(&pole(steps)).unwrap_or_default();
+        assert_eq!(said([1e-4; 3]), "");
+        // A scanner's millimetres are no grid, though few fit across a stem.
+        assert_eq!(said([1e-3; 3]), "");
+        assert!(said([0.1; 3]).contains("lie 0.1 and more apart"), "{}", said([0.1; 3]));
+        // As single precision has northings, printed with three digits.
+        let northing = said([0.031, 0.5, 3.1e-5]);
+        assert!(northing.contains("along y") && northing.contains("0.5 and more"), "{northing}");
+        assert!(steps_note(&pole([0.1; 3])[..900]).is_none());
     }
 }
