@@ -12,6 +12,9 @@ use crate::knob::excerpt;
 const NAMES: [&[&str]; 3] =
     [&["x", "easting"], &["y", "northing"], &["z", "height", "elevation", "altitude"]];
 
+/// What degrees are called there.
+const DEGREES: [&str; 6] = ["lon", "longitude", "long", "lng", "lat", "latitude"];
+
 /// The layout of a table that is not just `x y z` and further columns.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Layout {
@@ -196,6 +199,16 @@ impl Titles {
         let names: Vec<String> = titles.iter().copied().map(plain).collect();
         let columns = coordinate_columns(&names);
         let named: Vec<String> = columns.iter().flatten().map(|&column| shown(titles[column])).collect();
+        let is_degrees = |name: &&String| DEGREES.contains(&name.as_str());
+        if named.len() < 2
+            && let Some(at) = names.iter().position(|name| is_degrees(&name))
+        {
+            return Some(Self::Lack(format!(
+                "lengths instead of '{}', which is in degrees: reproject it to a map in metres first (pdal translate … \
+                 filters.reprojection, cs2cs)",
+                shown(titles[at])
+            )));
+        }
         match (columns.iter().position(Option::is_none), &named[..]) {
             (Some(lacking), [first, second]) => Some(Self::Lack(format!(
                 "a column named {} in the header, beside '{first}' and '{second}'",
@@ -324,7 +337,7 @@ mod tests {
                 lacks("y or northing in the header, beside 'Easting [m]' and 'Height'"),
             ),
             ("y z", "1 2", lacks("x or easting in the header, beside 'y' and 'z'")),
-            ("id,lat,lon,h", "1,2,3,4", first(["id", "lat", "lon"])),
+            ("id,a,b,h", "1,2,3,4", first(["id", "a", "b"])),
             ("a b c", "1,5 2,5 3,5", first(["a", "b", "c"])),
             // Of other columns than the table has, or of all three.
             ("a title", "1 2 3", None),
@@ -333,6 +346,21 @@ mod tests {
         ] {
             assert_eq!(Titles::of(header, row), expected, "{header}");
         }
+    }
+
+    #[test]
+    fn degrees_are_no_lengths() {
+        for (header, row) in
+            [("lon,lat,height", "8.4,49.0,3"), ("id;Latitude [deg];Longitude;n", "1;49,0;8,4;3")]
+        {
+            let found = Titles::of(header, row);
+            assert!(
+                matches!(&found, Some(Titles::Lack(said)) if said.contains("degrees")),
+                "{header}: {found:?}"
+            );
+        }
+        // Beside lengths they are further columns.
+        assert_eq!(Titles::of("x,y,z,lon,lat", "1,2,3,4,5"), None);
     }
 
     #[test]

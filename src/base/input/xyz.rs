@@ -373,12 +373,12 @@ mod tests {
     #[test]
     fn columns_that_nothing_names_are_known_by_their_titles() {
         let unnamed = |text: &str| read_xyz(text.as_bytes(), &Quiet).unwrap().unnamed;
-        let names = ["id", "lat", "lon"].map(str::to_owned);
-        assert_eq!(unnamed("id,lat,lon,h\n1,2,3,4\n"), Some(names));
+        let names = ["id", "a", "b"].map(str::to_owned);
+        assert_eq!(unnamed("id,a,b,h\n1,2,3,4\n"), Some(names));
         for text in ["1 2 3\n", "x,y,z\n1,2,3\n", "a title\n1 2 3\n", "# a b c\n1 2 3\n"] {
             assert_eq!(unnamed(text), None, "{text}");
         }
-        let thin = thin_xyz(b"id,lat,lon\n1,2,3\n", None, &Quiet).unwrap().thin(0.5, &Quiet).unwrap();
+        let thin = thin_xyz(b"id,a,b\n1,2,3\n", None, &Quiet).unwrap().thin(0.5, &Quiet).unwrap();
         assert!(thin.unnamed.is_some());
     }
 
