@@ -201,6 +201,23 @@ pub(crate) fn filled(cells: &[DVec3], cell: f64, base: f64) -> Vec<DVec3> {
     points
 }
 
+/// A canopy's cells are not all higher than this above its ground, metres, and than the canopy is deep: there are gaps and rims.
+const HIGHEST_RIM_M: f64 = 10.0;
+
+/// What is said of heights that seem to have the terrain in them.
+pub(crate) fn terrain_note(positions: &[DVec3], scale: f64) -> Option<String> {
+    let heights_m = || positions.iter().map(|p| p.z * scale);
+    let (least_m, most_m) =
+        (heights_m().fold(f64::INFINITY, f64::min), heights_m().fold(f64::NEG_INFINITY, f64::max));
+    (least_m > HIGHEST_RIM_M && least_m > most_m - least_m && most_m.is_finite()).then(|| {
+        format!(
+            "no cell of it is lower than {least_m:.0} m and the highest is {most_m:.0} m: these seem to be heights above the sea, as of a \
+             model of the surface, and trees come out too high; take the terrain off (gdal_calc.py -A surface.tif -B terrain.tif \
+             --calc \"A-B\" --outfile canopy.tif)"
+        )
+    })
+}
+
 /// What is said of a crown that was filled.
 pub(crate) fn note(top_m: f64, base_m: f64) -> String {
     format!(
@@ -250,6 +267,19 @@ mod tests {
         let high: Vec<DVec3> = cells.iter().map(|p| *p + 400.0 * DVec3::Z).collect();
         assert!(tell_apart(&high, 0.5, 1.0).unwrap_err().contains("above the sea"));
         assert!(tell_apart(&canopy(&[]), 0.5, 1.0).unwrap().counts().is_empty());
+    }
+
+    #[test]
+    fn terrain_in_heights_is_noticed() {
+        let cells = canopy(&[([10.0, 10.0], 20.0, 7.0), ([16.5, 10.0], 15.0, 6.0)]);
+        let raised = |by: f64| cells.iter().map(|p| *p + by * DVec3::Z).collect::<Vec<DVec3>>();
+        assert_eq!(terrain_note(&raised(0.0), 1.0), None);
+        // Below the limit of what is refused.
+        assert!(terrain_note(&raised(95.0), 1.0).unwrap().contains("lower than 95 m"));
+        // A crown that was cut out has a rim.
+        let cut: Vec<DVec3> = cells.iter().copied().filter(|p| p.z > 9.0).collect();
+        assert_eq!(terrain_note(&cut, 1.0), None);
+        assert_eq!(terrain_note(&[], 1.0), None);
     }
 
     #[test]

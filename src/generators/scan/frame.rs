@@ -179,7 +179,7 @@ fn height(points: &[DVec3]) -> Option<f64> {
     Some(high - low)
 }
 
-fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
     let mut values: Vec<f64> = values.collect();
     values.sort_unstable_by(f64::total_cmp);
     let stray = values.len() / 200;

@@ -300,9 +300,16 @@ fn planted(
         of_file.chain(of_trees.clone()).collect::<Vec<String>>()
     };
     let scale = settings.scale_of(&cloud);
+    // Who says which tree it is, where it stands or how many stems it has knows what there is.
+    let may_be_plot = settings.segmentation == Segmentation::Column
+        && trees::wanted(settings).is_none()
+        && cloud.trees.is_empty()
+        && settings.stems.is_none()
+        && settings.growth.given_root(up).is_none();
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
-        let given = Given { points, is_leaf, ground: &ground, up, is_up_sure: cloud.is_z_up, scale };
+        let given =
+            Given { points, is_leaf, ground: &ground, up, is_up_sure: cloud.is_z_up, scale, may_be_plot };
         let Prepared { site, bark, leaf_points, axes } =
             at_points(settings, &given, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;
@@ -318,6 +325,7 @@ fn planted(
         let base = settings.growth.trunk_m.map_or(crowns::BASE_PER_TOP * top, |trunk_m| trunk_m / scale);
         let mut planted = grow(&crowns::filled(&points, cell, base), As::Grid)?;
         planted.stand.notes.push(crowns::note(top * scale, base * scale));
+        planted.stand.notes.extend(crowns::terrain_note(&cloud.positions, scale));
         return Ok(planted);
     }
     if !settings.contract {

@@ -57,6 +57,7 @@ mod girth;
 mod graph;
 mod leaves;
 mod links;
+mod looks;
 mod median;
 mod neighbours;
 mod oval;

@@ -10,6 +10,7 @@ use linden_base::random::Key;
 use linden_growth::GrowthError;
 use linden_growth::site::{Grove, Site, Stem, Suggested, jitter};
 
+use crate::looks;
 use crate::settings::ScanSettings;
 use crate::{Distinct, Scan, ScanGrowthError, ScanReport, ScanRule, UpGuess, canopy};
 
@@ -37,6 +38,8 @@ pub(crate) struct Given<'a> {
     pub is_up_sure: bool,
     /// Metres for a unit, where that is known.
     pub scale: Option<f64>,
+    /// Whether they may be those of several trees, which nobody has told apart.
+    pub may_be_plot: bool,
 }
 
 /// Points that are ready to be grown into.
@@ -68,7 +71,7 @@ impl FileAxes {
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    &Given { points, is_leaf, ground, up: usual, is_up_sure, scale }: &Given<'_>,
+    &Given { points, is_leaf, ground, up: usual, is_up_sure, scale, may_be_plot }: &Given<'_>,
     key: Key,
     what: As,
     monitor: &dyn Monitor,
@@ -106,6 +109,13 @@ pub(crate) fn at_points(
     notes.extend(far_note(far_points));
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    if is_scan && what == As::Settings {
+        notes.extend(looks::size_note(high.y - low.y));
+        notes.extend(looks::wall_note(&points));
+        if may_be_plot {
+            notes.extend(looks::plot_note(&points, &ground, monitor)?);
+        }
+    }
     let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
     recenter(&mut points, origin);
     recenter(&mut ground, origin);

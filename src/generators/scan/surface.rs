@@ -45,7 +45,7 @@ impl Patch {
 }
 
 /// Eigenvalues of a symmetric matrix and, as columns, their vectors (Jacobi 1846).
-fn eigen(mut a: DMat3) -> (DVec3, DMat3) {
+pub(crate) fn eigen(mut a: DMat3) -> (DVec3, DMat3) {
     let mut vectors = DMat3::IDENTITY;
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {

@@ -129,6 +129,22 @@ pub fn tell_apart(
     Ok(TreeColumn { name: COLUMN.to_owned(), numbers })
 }
 
+/// How many stems stand on the ground below these points (metres, Y up), and how far apart the two are that are farthest.
+///
+/// # Errors
+/// [`ScanError`]: memory, cancelled.
+pub(crate) fn stems_of(points: &[DVec3], monitor: &dyn Monitor) -> Result<(usize, f64), ScanError> {
+    let bytes = points.len() as u64 * BYTES_PER_POINT;
+    monitor.admit("looking for stems", bytes, "thin the points out")?;
+    let Some(spacing_m) = spacing_m(points, monitor)? else { return Ok((0, 0.0)) };
+    let ground = Ground::under(points, monitor)?;
+    let heights_m: Vec<f32> = points.par_iter().map(|p| (p.y - ground.height_m(*p)) as f32).collect();
+    let boles = boles::find(points, &heights_m, spacing_m, monitor)?;
+    let away = |a: &Bole, b: &Bole| libm::hypot(a.centre.0 - b.centre.0, a.centre.1 - b.centre.1);
+    let apart_m = boles.iter().flat_map(|a| boles.iter().map(move |b| away(a, b))).fold(0.0, f64::max);
+    Ok((boles.len(), apart_m))
+}
+
 /// The cubes of all points, and their side.
 fn thinned(points: &[DVec3], spacing_m: f64) -> (Cubes, f64) {
     let mut cube_m = CUBE_M.max(CUBE_SPACINGS * spacing_m);
@@ -336,6 +352,16 @@ mod tests {
         let backwards: Vec<DVec3> = points.iter().rev().copied().collect();
         let same = told(&backwards, Up::Y).iter().rev().zip(&numbers).filter(|(a, b)| a == b).count();
         assert!(same as f64 > 0.995 * points.len() as f64, "{same}");
+    }
+
+    #[test]
+    fn stems_are_counted_and_told_from_one() {
+        let (points, _) = plot();
+        let (count, apart_m) = stems_of(&points, &Quiet).unwrap();
+        assert!(count == 4 && (apart_m - libm::hypot(6.0, 5.0)).abs() < 0.1, "{count}, {apart_m}");
+        let one = tree(TREES[1].0, 14.0, 0.2, 2.2, Key::new(2));
+        let (count, apart_m) = stems_of(&one, &Quiet).unwrap();
+        assert!(count <= 1 && apart_m == 0.0, "{count}, {apart_m}");
     }
 
     #[test]
