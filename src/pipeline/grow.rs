@@ -304,6 +304,8 @@ pub fn grow_as(
         let (points, gaps_m) = (Arc::new(measured.into_points()), Arc::new(of_points_m));
         scan = Some(Scanned { points, gaps_m, leaf_points, measured_nodes, fit });
     }
+    branched.notes.extend(scan.as_ref().and_then(|scan| far_note(&skeleton, &scan.fit)));
+    branched.notes.extend(stout_note(&skeleton).filter(|_| scan.is_some()));
     let as_grown =
         AsGrown { skeleton, given: Arc::new(organs), age: branched.age, most_nodes: branched.most_nodes };
     let Shaped { skeleton, given, origins, remarks } = shape(&as_grown, &wood, &recipe.preset, monitor)?;
@@ -541,6 +543,43 @@ fn trunk_note(skeleton: &Skeleton) -> Option<String> {
     Some(format!("no circle was believed at breast height: the diameter there is {how}"))
 }
 
+/// Points are farther from the tree on average than this part of its height: in scans from four sides they are nearer than 0.01, also
+/// where volumes are off by a third.
+const FAR_PER_HEIGHT: f64 = 0.012;
+
+/// What is said of a tree whose points lie far from it.
+fn far_note(skeleton: &Skeleton, fit: &Fit) -> Option<String> {
+    let Spread { mean_m, p95_m } = fit.points_to_surface;
+    let height_m = height_m(skeleton);
+    (mean_m > FAR_PER_HEIGHT * height_m).then(|| {
+        format!(
+            "the points lie {mean_m:.2} m from the tree's surface on average (95 % within {p95_m:.2} m), far for a tree of {height_m:.1} m: \
+             its volume and lengths are a guess; a denser scan from more sides comes nearer, leaf_points=paths for a tree in leaf"
+        )
+    })
+}
+
+/// No stem is thicker at breast height than this part of its tree's height.
+const STOUTEST_PER_HEIGHT: f64 = 0.2;
+
+/// What is said of a scan that is too stout for a tree.
+fn stout_note(skeleton: &Skeleton) -> Option<String> {
+    let measures = skeleton.measures();
+    let (dbh_m, height_m) = (measures.trunk_diameter_m, measures.height_m);
+    let is_at_breast = measures.trunk_diameter_at_m == BREAST_HEIGHT_M;
+    (is_at_breast && dbh_m > STOUTEST_PER_HEIGHT * height_m).then(|| {
+        format!(
+            "{dbh_m:.2} m at breast height are too thick for a tree of {height_m:.1} m: is it one tree, whole, and in the unit that scale= \
+             says?"
+        )
+    })
+}
+
+fn height_m(skeleton: &Skeleton) -> f64 {
+    let heights = || skeleton.positions.iter().map(|at| f64::from(at.y));
+    heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min)
+}
+
 fn is_higher_than_breast(skeleton: &Skeleton, trunk: &[u32]) -> bool {
     skeleton.climbed_m(trunk).last().is_some_and(|&climbed_m| climbed_m >= BREAST_HEIGHT_M)
 }
@@ -737,6 +776,33 @@ mod tests {
         assert_eq!(grown("points"), guessed(true));
         // None was looked for.
         assert_eq!(grown("pipe"), guessed(false));
+    }
+
+    #[test]
+    fn points_far_from_the_tree_and_stout_poles_are_noted() {
+        let tree = |radius_m: f32| {
+            let branching = linden_skeleton::Branching {
+                positions: vec![Vec3::ZERO, 2.0 * Vec3::Y, 10.0 * Vec3::Y],
+                parents: vec![NO_PARENT, 0, 1],
+                births: vec![0; 3],
+                radii: Some(vec![radius_m; 3]),
+                edges: None,
+            };
+            Skeleton::build(branching, &Wood::default()).unwrap()
+        };
+        let fit = |mean_m: f64| {
+            let spread = Spread { mean_m, p95_m: 2.0 * mean_m };
+            Fit {
+                points_to_surface: spread,
+                points_to_axis: spread,
+                axis_to_points: spread,
+                surface_to_points: spread,
+            }
+        };
+        assert_eq!(far_note(&tree(0.2), &fit(0.08)), None);
+        assert!(far_note(&tree(0.2), &fit(0.14)).unwrap().contains("0.14 m from the tree's surface"));
+        assert_eq!(stout_note(&tree(0.9)), None);
+        assert!(stout_note(&tree(1.1)).unwrap().contains("2.20 m at breast height"));
     }
 
     #[test]
