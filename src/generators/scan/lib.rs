@@ -108,7 +108,7 @@ pub struct Scan {
     pub points: Vec<DVec3>,
     /// The scanned points without ground, strays and leaves: what the wood was seen by.
     pub bark: Vec<DVec3>,
-    /// The feet of the stems, the surest first: where growth starts.
+    /// The feet of the stems, the thickest first: where growth starts.
     pub roots: Vec<DVec3>,
     /// Suggested length of an internode.
     pub step_m: f64,
@@ -338,12 +338,22 @@ pub fn prepare_distinct(
         trunk.map_or(foot.root, |(_, trunk)| trunk.foot())
     };
     let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
+    let radius_of = |foot: &Foot| {
+        let trunk = trunks.iter().find(|(root, _)| *root == foot.root);
+        trunk.map_or(0.0, |(_, trunk)| trunk.radius_m())
+    };
+    let of_roots_m: Vec<f64> = feet.iter().map(radius_of).collect();
     let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
     let radii_m = leaves::radii_m(&ways, foot, trunks.iter().map(Trunk::radius_m), monitor)?;
     let mut sections =
         Sections::new(&graph, (&ways, &radii_m), (&roots, &trunks), &leaf_nodes, SECTION * detail_m);
     sections.smooth(SMOOTHING);
     let points = sections.points(detail_m);
+    // The thickest stem is the one whose diameter is told, and stands on the origin.
+    let radius_m = |at: usize| of_roots_m.get(at).copied().unwrap_or(0.0);
+    let mut order: Vec<usize> = (0..roots.len()).collect();
+    order.sort_by(|&a, &b| radius_m(b).total_cmp(&radius_m(a)));
+    let roots = order.into_iter().map(|at| roots[at]).collect();
     Ok(Scan {
         points,
         bark,
@@ -418,3 +428,29 @@ const INFLUENCE: f64 = 6.0;
 
 /// The suggested kill distance, in steps: twigs end that far short of their last point.
 const KILL: f64 = 1.01;
+
+#[cfg(test)]
+mod tests {
+    use linden_base::monitor::Quiet;
+
+    use super::*;
+
+    /// A stem and a pole, of which either is more thickly scanned.
+    #[test]
+    fn the_thickest_stem_is_the_first_root() {
+        let around = |x: f64, radius_m: f64, count: u32| {
+            (0..count).map(move |i| {
+                let (sin, cos) = libm::sincos(f64::from(i) * 2.4);
+                DVec3::new(x + radius_m * cos, 6.0 * f64::from(i) / f64::from(count), radius_m * sin)
+            })
+        };
+        for (x, counts) in
+            [(0.0, [9000, 3000]), (0.0, [3000, 9000]), (2.0, [9000, 3000]), (2.0, [3000, 9000])]
+        {
+            let stems = around(x, 0.15, counts[0]).chain(around(2.0 - x, 0.06, counts[1]));
+            let scan = prepare(&stems.collect::<Vec<_>>(), &ScanRule::default(), &Quiet).unwrap();
+            let off_m: Vec<f64> = scan.roots.iter().map(|root| (root.x - x).abs()).collect();
+            assert!(off_m.len() == 2 && off_m[0] < 0.1 && off_m[1] > 1.8, "{x}, {counts:?}: {off_m:?}");
+        }
+    }
+}
