@@ -187,7 +187,7 @@ impl Settings for QsmSettings {
         let several = self.table(inputs).ok().and_then(|(table, _)| Several::of(table));
         vec![Passage {
             heading: "cylinders",
-            lines: std::iter::once(line).chain(several.map(|it| it.line())).collect(),
+            lines: std::iter::once(line).chain(several.map(Several::line)).collect(),
         }]
     }
 

@@ -338,26 +338,17 @@ pub fn prepare_distinct(
         trunk.map_or(foot.root, |(_, trunk)| trunk.foot())
     };
     let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
-    let radius_of = |foot: &Foot| {
-        let trunk = trunks.iter().find(|(root, _)| *root == foot.root);
-        trunk.map_or(0.0, |(_, trunk)| trunk.radius_m())
-    };
-    let of_roots_m: Vec<f64> = feet.iter().map(radius_of).collect();
+    let thickest_first = by_thickness(&roots, &feet, &trunks);
     let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
     let radii_m = leaves::radii_m(&ways, foot, trunks.iter().map(Trunk::radius_m), monitor)?;
     let mut sections =
         Sections::new(&graph, (&ways, &radii_m), (&roots, &trunks), &leaf_nodes, SECTION * detail_m);
     sections.smooth(SMOOTHING);
     let points = sections.points(detail_m);
-    // The thickest stem is the one whose diameter is told, and stands on the origin.
-    let radius_m = |at: usize| of_roots_m.get(at).copied().unwrap_or(0.0);
-    let mut order: Vec<usize> = (0..roots.len()).collect();
-    order.sort_by(|&a, &b| radius_m(b).total_cmp(&radius_m(a)));
-    let roots = order.into_iter().map(|at| roots[at]).collect();
     Ok(Scan {
         points,
         bark,
-        roots,
+        roots: thickest_first,
         step_m: detail_m,
         influence_m: INFLUENCE * detail_m,
         kill_m: KILL * detail_m,
@@ -374,6 +365,17 @@ pub fn prepare_distinct(
             longest_bridge_m: bridges_m.iter().copied().fold(0.0, f64::max),
         },
     })
+}
+
+/// The roots of these feet, that of the thickest trunk first: it is the one whose diameter is told, and stands on the origin.
+fn by_thickness(roots: &[DVec3], feet: &[Foot], trunks: &[(DVec3, Trunk)]) -> Vec<DVec3> {
+    let radius_m = |foot: &Foot| {
+        let trunk = trunks.iter().find(|(root, _)| *root == foot.root);
+        trunk.map_or(0.0, |(_, trunk)| trunk.radius_m())
+    };
+    let mut found: Vec<(f64, DVec3)> = feet.iter().map(radius_m).zip(roots.iter().copied()).collect();
+    found.sort_by(|a, b| b.0.total_cmp(&a.0));
+    found.into_iter().map(|(_, root)| root).collect()
 }
 
 /// The peak with the points given: the tree for their spacing while it is built (measured).

@@ -31,8 +31,21 @@ const LEVEL: f64 = 0.2;
 /// The share of points in cubes of walls from which on a cloud is one.
 const LEAST_WALLS: f64 = 0.5;
 
+/// All that is to be said of points that are taken for one tree; they and those of the ground are metres, Y up.
+pub(crate) fn notes(
+    points: &[DVec3],
+    ground: &[DVec3],
+    may_be_plot: bool,
+    monitor: &dyn Monitor,
+) -> Result<Vec<String>, ScanError> {
+    let heights_m = || points.iter().map(|p| p.y);
+    let height_m = heights_m().fold(f64::NEG_INFINITY, f64::max) - heights_m().fold(f64::INFINITY, f64::min);
+    let plot = if may_be_plot { plot_note(points, ground, monitor)? } else { None };
+    Ok([size_note(height_m), wall_note(points), plot].into_iter().flatten().collect())
+}
+
 /// What is said of a height that no tree has.
-pub(crate) fn size_note(height_m: f64) -> Option<String> {
+fn size_note(height_m: f64) -> Option<String> {
     (height_m > 0.0 && height_m < LOWEST_M).then(|| {
         format!(
             "the points are {height_m:.4} m high in all, as no scanned tree is: are they in kilometres or degrees? scale= says how many \
@@ -43,11 +56,7 @@ pub(crate) fn size_note(height_m: f64) -> Option<String> {
 
 /// What is said of points of several trees that were taken for one. `points` and those of the ground are metres, Y up. Where the
 /// memory does not suffice nothing is looked for.
-pub(crate) fn plot_note(
-    points: &[DVec3],
-    ground: &[DVec3],
-    monitor: &dyn Monitor,
-) -> Result<Option<String>, ScanError> {
+fn plot_note(points: &[DVec3], ground: &[DVec3], monitor: &dyn Monitor) -> Result<Option<String>, ScanError> {
     let sample = sample(points);
     let extent = |axis: usize| range(sample.iter().map(|p| p[axis])).map_or(0.0, |(low, high)| high - low);
     let (wide_m, height_m) = (extent(0).max(extent(2)), extent(1));
@@ -69,7 +78,7 @@ pub(crate) fn plot_note(
 }
 
 /// What is said of points that mostly lie on walls; metres, Y up.
-pub(crate) fn wall_note(points: &[DVec3]) -> Option<String> {
+fn wall_note(points: &[DVec3]) -> Option<String> {
     let mut sample: Vec<([i64; 3], DVec3)> = sample(points)
         .into_iter()
         .map(|p| (p.to_array().map(|x| libm::floor(x / CUBE_M) as i64), p))

@@ -107,16 +107,10 @@ pub(crate) fn at_points(
     let axes = FileAxes { up, scale };
     let far_points = if is_scan { drop_far(&mut points, is_leaf.as_mut(), monitor)? } else { 0 };
     notes.extend(far_note(far_points));
-    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     if is_scan && what == As::Settings {
-        notes.extend(looks::size_note(high.y - low.y));
-        notes.extend(looks::wall_note(&points));
-        if may_be_plot {
-            notes.extend(looks::plot_note(&points, &ground, monitor)?);
-        }
+        notes.extend(looks::notes(&points, &ground, may_be_plot, monitor)?);
     }
-    let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
+    let origin = middle(&points);
     recenter(&mut points, origin);
     recenter(&mut ground, origin);
     let given_root = settings.growth.given_root(up).map(|root| root - origin);
@@ -186,6 +180,13 @@ pub(crate) fn at_points(
         notes,
     };
     Ok(Prepared { site, bark: None, leaf_points: 0, axes })
+}
+
+/// Whole metres near the middle of the box around some points.
+fn middle(points: &[DVec3]) -> DVec3 {
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() }
 }
 
 /// Leaves out single far points, and what is known of them; how many.
