@@ -265,6 +265,22 @@ fn what_show_writes_as_a_document_grows_the_same_tree() {
     }
 }
 
+/// 4 m that lean by 30°, then 4 m upright, or on by as much again: half of the height says how far the stem leans.
+#[test]
+fn a_stem_leans_as_far_as_it_does_up_to_half_of_the_height() {
+    let folder = Folder::new();
+    let (sin, cos) = (0.5_f64, 0.75_f64.sqrt());
+    // Where it goes on upright, half of the height is above the bend.
+    let half_m = 0.5 * (4.0 + 4.0 * cos);
+    let upright_deg = (4.0 * sin / half_m).atan().to_degrees();
+    for (turned, expected_deg) in [(-30, upright_deg), (0, 30.0), (30, 30.0)] {
+        folder.write("s.txt", format!("axiom=+(30)F(4)+({turned})F(4)\nangle=30\nnumber of derivations=1\n"));
+        let stats = folder.run(&["stats", "s.txt", "--json"]).done().json();
+        let lean_deg = stats["stem_lean_deg"].as_f64().unwrap();
+        assert!((lean_deg - expected_deg).abs() < 0.1, "{turned}: {lean_deg}, not {expected_deg}");
+    }
+}
+
 #[test]
 fn stats_carry_every_promised_key_and_add_up() {
     let folder = Folder::new();

@@ -216,12 +216,21 @@ impl<'a> Figures<'a> {
         top.max(self.measures.height_m)
     }
 
-    /// Of the thickest stem, from the upright, degrees.
+    /// Of the thickest stem up to half of the tree's height, from the upright, degrees. Which of its ends in the crown a stem
+    /// is followed to is as good as chance.
     pub fn stem_lean_deg(&self) -> f64 {
-        let nodes = &self.trunk;
-        let place = |node: &u32| self.skeleton.positions[*node as usize].as_dvec3();
-        let (Some(foot), Some(top)) = (nodes.first().map(place), nodes.last().map(place)) else { return 0.0 };
-        (top - foot).try_normalize().map_or(0.0, |along| libm::acos(along.y.clamp(-1.0, 1.0)).to_degrees())
+        let mut places = self.trunk.iter().map(|node| self.skeleton.positions[*node as usize].as_dvec3());
+        let Some(foot) = places.next() else { return 0.0 };
+        let half_m = foot.y + 0.5 * self.measures.height_m;
+        let mut end = foot;
+        for at in places {
+            if at.y >= half_m {
+                end = end.lerp(at, (half_m - end.y) / (at.y - end.y).max(f64::MIN_POSITIVE));
+                break;
+            }
+            end = at;
+        }
+        (end - foot).try_normalize().map_or(0.0, |along| libm::acos(along.y.clamp(-1.0, 1.0)).to_degrees())
     }
 
     /// `None` where nothing was measured.

@@ -218,7 +218,7 @@ numbers! {
         "where dbh_m of a scan is from: measured on points, carried on between nodes that were, or guessed by the wood that the stem bears, as all is where no circle is believed; null for what is no scan"
         ("") = |f| f.breast_source.map(|source| source.word().to_owned());
     stem_lean_deg: f64, Stem "lean" ["°"] Wood
-        "the angle between the upright and the line from the foot of the stem that is thickest there to its top"
+        "the angle between the upright and the line from the foot of the stem that is thickest there to where it reaches half of the height of the tree, or to its top where that is lower"
         ("West 2015") = |f| f.stem_lean_deg();
     stem_volume_m3: f64, Stem "volume" ["m³"] Wood
         "wood_volume_m3 of the stem that is thickest at its foot, from there to its top"
