@@ -131,7 +131,7 @@ mod tests {
             let off = found.radius_m / by_tape_m - 1.0;
             assert!(off.abs() < 0.025, "{ratio}: {off}");
             assert!(
-                found.se_m > 0.3 * (found.radius_m - by_tape_m).abs() && found.arc_rad > 6.0,
+                found.se_m > 0.3 * (found.radius_m - by_tape_m).abs() && found.arc_rad > 5.5,
                 "{found:?}"
             );
             let (x, y) = found.centre;
