@@ -64,7 +64,7 @@ fn a_pixel_shows_what_the_plane_stands_for() {
     let cut = color.iter().filter(|pixel| pixel[3] < 128).count();
     assert_eq!(cut, 208 * 208 - 200 * 200);
     // Nothing foreign beyond the edge.
-    assert!(color.iter().all(|pixel| pixel[2] == 0 && pixel[0].max(pixel[1]) >= 240));
+    assert!(color.iter().all(|pixel| pixel[2] == 0 && pixel[0].max(pixel[1]) >= 225));
     assert!(normal.iter().all(|&pixel| pixel == [128, 128, 255, 255]));
     // The rectangle is where the squares' outline is, and its coordinates are the margin's inside.
     let mesh = &seen.parts[0].mesh;
@@ -103,7 +103,7 @@ fn backs_are_seen_only_where_they_are_to_be() {
     }
 }
 
-/// Each plane sees a ball as a disc, wherever it stands round it, and its picture of normals has half of the ball's tilt.
+/// Each plane sees a ball as a disc, wherever it stands round it, and its picture of normals has nine tenths of the ball's tilt.
 #[test]
 fn a_ball_is_a_disc_from_everywhere() {
     let (rings, sides) = (48_u32, 96_u32);
@@ -136,12 +136,12 @@ fn a_ball_is_a_disc_from_everywhere() {
     let radius_px = (corners[2].y - corners[0].y) / 2.0;
     assert!((covered / (3.0 * PI * radius_px * radius_px) - 1.0).abs() < 0.02, "{covered}");
     for plane in corners.chunks(8) {
-        // A quarter of the diameter right of the middle the sphere's normal is (½, 0, √¾): half as much tilt.
+        // A quarter of the diameter right of the middle the sphere's normal is (½, 0, √¾); of nine tenths of the tilt (0.46, 0, 0.89).
         assert_eq!(plane[..4], plane[4..], "the same picture on both faces");
         let middle = (plane[0] + plane[2]) / 2.0;
         let (x, y) = ((middle.x + radius_px / 2.0) as u32, (height as f32 - middle.y) as u32);
         let [r, g, b, _] = normal[(y * width + x) as usize].map(|code| f32::from(code) / 127.5 - 1.0);
-        assert!(r > 0.2 && r < 0.4 && g.abs() < 0.06 && b > 0.9, "{r} {g} {b}");
+        assert!((r - 0.46).abs() < 0.06 && g.abs() < 0.06 && (b - 0.89).abs() < 0.06, "{r} {g} {b}");
     }
     // The planes stand at equal angles.
     let mesh = &seen.parts[0].mesh;
