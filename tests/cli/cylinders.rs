@@ -109,8 +109,11 @@ fn models_of_matlab_files_are_trees() {
     let folder = Folder::new();
     folder.write("two.mat", fixture("two.mat"));
     let volume = |args: &[&str]| {
-        let stats = folder.run(&[&["stats"], args, &["--json"]].concat()).done().json();
-        number(&stats, "cylinder_volume_m3")
+        let said = folder.run(&[&["stats"], args, &["--json"]].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        // Which of several was taken is said where nothing was asked for.
+        assert_eq!(said.err.contains("table_tree"), args == ["two.mat"], "{args:?}: {}", said.err);
+        number(&said.json(), "cylinder_volume_m3")
     };
     // The second is twice as thick.
     let one = PI * 0.0241;

@@ -275,7 +275,7 @@ fn a_stem_leans_as_far_as_it_does_up_to_half_of_the_height() {
     let upright_deg = (4.0 * sin / half_m).atan().to_degrees();
     for (turned, expected_deg) in [(-30, upright_deg), (0, 30.0), (30, 30.0)] {
         folder.write("s.txt", format!("axiom=+(30)F(4)+({turned})F(4)\nangle=30\nnumber of derivations=1\n"));
-        let stats = folder.run(&["stats", "s.txt", "--json"]).done().json();
+        let stats = folder.run(&["stats", "s.txt", "--set", "segment_length=1", "--json"]).done().json();
         let lean_deg = stats["stem_lean_deg"].as_f64().unwrap();
         assert!((lean_deg - expected_deg).abs() < 0.1, "{turned}: {lean_deg}, not {expected_deg}");
     }

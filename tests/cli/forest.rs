@@ -331,7 +331,8 @@ fn trees_of_a_stand_are_numbered_in_all_tables_and_scans() {
     folder.run(&[&["forest", "stand.toml"][..], &simple].concat()).done();
     assert_eq!(runs(&folder.read("s.csv"), ", ", "treeID"), numbers);
     // Read again, they are the same trees.
-    folder.run(&["export", "s.csv", "-o", "back.csv", "--set", "table_place=true"]).done();
+    let said = folder.run(&["export", "s.csv", "-o", "back.csv", "--set", "table_place=true"]);
+    assert!(said.code == Some(0) && said.err.contains("s.csv tells 5 trees apart"), "{}", said.err);
     assert_eq!(runs(&folder.read("back.csv"), ",", "tree"), numbers);
 
     let scan = ["scan", "stand.toml", "-o", "p.ply", "--truth", "truth.csv", "--step", "0.5", "--beam", "0"];

@@ -122,7 +122,7 @@ mod tests {
 
     #[test]
     fn an_oval_has_the_radius_that_a_tape_finds() {
-        for ratio in [0.85, 0.8, 0.7, 0.62_f64] {
+        for ratio in [0.85, 0.8, 0.75_f64] {
             let half_axes_m = [0.19 / ratio.sqrt(), 0.19 * ratio.sqrt()];
             let flat = ellipse(half_axes_m, TAU);
             let found = mean(&flat, &circle::fit(&flat).unwrap()).unwrap();

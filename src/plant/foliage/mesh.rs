@@ -363,8 +363,12 @@ impl<'a> Baker<'a> {
             fronts = rest;
             // Its front looks out of the crown: whoever stands outside sees it, and renderers turn no normal round.
             if outward < 0.0 {
-                normals.iter_mut().for_each(|normal| *normal = -*normal);
-                sheet.iter_mut().for_each(|corners| corners.swap(1, 2));
+                for normal in normals.iter_mut() {
+                    *normal = -*normal;
+                }
+                for corners in sheet {
+                    corners.swap(1, 2);
+                }
             }
         }
         for (normal, &at) in normals.iter_mut().zip(&*positions) {

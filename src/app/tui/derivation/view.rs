@@ -115,12 +115,12 @@ pub fn paint(model: &Model, debugger: &Debugger, buffer: &mut Buffer, view: &mut
     view.answers(rest, rest.y + line);
 }
 
-/// `Derivation 3 of 5 · 1 234 modules`, `Derivation 6, 1 beyond the tree's 5`.
+/// `Derivation 3 of 5 · 1 234 modules`, `Derivation 6, past 5`.
 fn title(model: &Model, debugger: &Debugger) -> String {
     let last = last_step(model);
     let of = match last {
         Some(last) if debugger.step > last => {
-            format!(", {} beyond the tree's {last}", debugger.step - last)
+            format!(", past {last}")
         }
         Some(last) => format!(" of {last}"),
         None => String::new(),
