@@ -17,6 +17,7 @@ mod cache;
 mod cli;
 mod config;
 mod exit;
+mod figures;
 mod forecast;
 mod formats;
 mod jobs;

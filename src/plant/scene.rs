@@ -34,6 +34,11 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Triangles of all its parts.
+    pub fn triangles(&self) -> usize {
+        self.parts.iter().map(|part| part.mesh.triangles.len()).sum()
+    }
+
     /// Bytes that it takes: skeleton, meshes and pixels.
     pub fn bytes(&self) -> u64 {
         let pixels = |picture: &Arc<Picture>| picture.rgba().len() as u64;

@@ -137,6 +137,15 @@ fn triangles_are_told_where_some_number_of_them_is_asked_for() {
     let levels: Vec<u64> =
         found["triangles"].as_array().unwrap().iter().filter_map(serde_json::Value::as_u64).collect();
     assert!(levels.len() == 2 && (3800..=4200).contains(&levels[0]), "{found}");
+    // More than the tree has is no budget that was missed.
+    let said = folder.run(&[&args[..], &["--triangles", "99999999"]].concat());
+    assert!(
+        said.code == Some(0) && said.err.contains("has no more than") && said.err.lines().count() == 1,
+        "{}",
+        said.err
+    );
+    let said = folder.run(&["export", "simple", "--triangles", "4000", "--format", "mtg", "-o", "t.mtg"]);
+    assert!(said.code == Some(0) && !said.err.contains("not met"), "{}", said.err);
     let digits: String = told.chars().filter(char::is_ascii_digit).collect();
     assert!(
         digits.ends_with(&format!("{}{}", levels[0], levels[1])) && told.ends_with(" triangles\n"),

@@ -255,13 +255,7 @@ impl Made<'_> {
             (several.stage(), &several.notes)
         };
         super::notes(&of_age(age, notes), progress);
-        let triangles = triangles::of_levels(&stage);
-        let detail = &source.recipe.preset.dressing.detail;
-        super::notes(
-            &of_age(age, &triangles::unmet(&triangles, detail.triangles, &detail.budgets())),
-            progress,
-        );
-        timings.count(triangles);
+        timings.count(triangles::of_levels(&stage));
         let stage = stage.turned_by(self.settings.iter().map(|(name, _)| name.as_str()));
         let stage = self.scene.around(stage, progress)?;
         // Scenes have taken what they need of it.

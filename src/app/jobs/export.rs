@@ -298,8 +298,6 @@ fn write_tree(
     notes.extend_from_slice(said);
     notes.extend(how.idle(recipe));
     let triangles = triangles::of_levels(&stage);
-    let detail = &recipe.preset.dressing.detail;
-    notes.extend(triangles::unmet(&triangles, detail.triangles, &detail.budgets()));
     write_files(&how.stage(stage), &bytes, batch, gauge, &mut notes)?;
     Ok((notes, triangles))
 }

@@ -9,7 +9,7 @@
 //!
 //! | floor | is |
 //! |---|---|
-//! | [`effect`], [`tree`], [`wrap`], [`figures`] | what is asked of the world; the tree on screen; text in cells |
+//! | [`effect`], [`tree`], [`wrap`] | what is asked of the world; the tree on screen; text in cells |
 //! | [`command`], [`layout`], [`dialog`] | what a command and a dialog are; where the panes are |
 //! | [`model`] | the state |
 //! | [`chrome`] | what frames the panes: footer, palette, pages, typed lines |
@@ -26,7 +26,6 @@ mod derivation;
 mod dialog;
 mod effect;
 mod export;
-mod figures;
 mod forest;
 mod growth;
 mod layout;
@@ -48,7 +47,6 @@ mod wind;
 mod wood;
 
 pub use commands::key_table;
-pub use figures::thousands;
 pub use runtime::{End, StartOptions, run};
 
 #[cfg(test)]

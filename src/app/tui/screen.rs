@@ -12,11 +12,11 @@ use unicode_width::UnicodeWidthStr;
 
 use super::chrome::footer;
 use super::dialog::Dialog;
-use super::figures::{metres, thousands};
 use super::forest::ForestOnScreen;
 use super::layout::{Layout, Pane, Target, View};
 use super::model::Model;
 use super::{export, growth, library, picture, shape};
+use crate::figures::{metres, thousands};
 use crate::wrap::clipped;
 
 /// What is said where the picture is of a tree before the last change, which did not grow.

@@ -220,6 +220,25 @@ fn sums<const N: usize>(flat: &[Flat], of: impl Fn(Flat) -> [f64; N]) -> [f64; N
     sums
 }
 
+/// Adds the row of a point to the normal equations of `N` unknowns, by Tukey's weight of the residual that it ends with: beyond
+/// the reach it has none.
+pub(crate) fn add_row<const N: usize, const ROW: usize>(
+    m: &mut [[f64; ROW]; N],
+    row: [f64; ROW],
+    reach: f64,
+) {
+    let off = row[ROW - 1] / reach;
+    let root = (1.0 - off * off).max(0.0);
+    if !(root > 0.0) {
+        return;
+    }
+    for (sums, a) in m.iter_mut().zip(row) {
+        for (sum, b) in sums.iter_mut().zip(row) {
+            *sum += root * root * a * b;
+        }
+    }
+}
+
 /// Solves `N` equations of `N + 1` numbers each (Gauss, with pivots).
 pub(crate) fn solve<const N: usize, const ROW: usize>(mut m: [[f64; ROW]; N]) -> Option<[f64; N]> {
     for i in 0..N {

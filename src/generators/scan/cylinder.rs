@@ -7,7 +7,7 @@
 
 use glam::DVec3;
 
-use super::circle::{Circle, Flat, SD_PER_MAD, TUKEY, mad, solve};
+use super::circle::{Circle, Flat, SD_PER_MAD, TUKEY, add_row, mad, solve};
 
 /// Steps of the least squares.
 const STEPS: usize = 6;
@@ -60,17 +60,12 @@ pub(crate) fn turned(
             let (dx, dy) = (px - x, py - y);
             let d = (dx * dx + dy * dy).sqrt();
             let off = d - r;
-            let root = (1.0 - (off / reach) * (off / reach)).max(0.0);
-            if !(root > 0.0 && d > 0.0) {
+            if !(d > 0.0) {
                 continue;
             }
             let (nx, ny, z) = (dx / d, dy / d, p.dot(w));
             let row = [nx, ny, nx * z, ny * z, 1.0, off];
-            for (sums, a) in m.iter_mut().zip(row) {
-                for (sum, b) in sums.iter_mut().zip(row) {
-                    *sum += root * root * a * b;
-                }
-            }
+            add_row(&mut m, row, reach);
         }
         let [by_x, by_y, turn_x, turn_y, by_r] = solve(m)?;
         // At first: how far the wood leads aside, before any turn has made a circle of what is none.

@@ -3,7 +3,8 @@
 //! Distances from the axis go round an oval twice: `r + a cos 2θ + b sin 2θ`. Least squares find both, and the circle through
 //! points from which that is taken has the mean radius, whichever of the axes more points lie on.
 
-use super::circle::{self, Circle, Flat, SD_PER_MAD, TUKEY, mad, solve};
+use super::circle::{self, Circle, Flat, SD_PER_MAD, TUKEY, add_row, mad, solve};
+use super::median::median;
 
 /// Steps of the least squares.
 const STEPS: usize = 6;
@@ -30,74 +31,94 @@ const UNSURE: f64 = 0.06;
 /// The points of half of all inliers lie no farther off a start, in radii.
 const START: f64 = 0.1;
 
+/// A curve round a centre, from which it is `r + a cos 2θ + b sin 2θ` away.
+struct Oval {
+    centre: Flat,
+    r: f64,
+    a: f64,
+    b: f64,
+}
+
+/// A point as an oval has it.
+struct Seen {
+    /// How far from the centre, and in which direction: the cosine and the sine of the angle, and those of twice the angle.
+    away_m: f64,
+    once: [f64; 2],
+    twice: [f64; 2],
+    /// How much farther away the curve is there than the mean.
+    bulge_m: f64,
+}
+
+impl Oval {
+    fn see(&self, p: &Flat) -> Seen {
+        let (dx, dy) = (p.0 - self.centre.0, p.1 - self.centre.1);
+        let away_m = (dx * dx + dy * dy).sqrt().max(f64::MIN_POSITIVE);
+        let (cos, sin) = (dx / away_m, dy / away_m);
+        let twice = [cos * cos - sin * sin, 2.0 * cos * sin];
+        let bulge_m = self.a * twice[0] + self.b * twice[1];
+        Seen { away_m, once: [cos, sin], twice, bulge_m }
+    }
+
+    /// How far outside a point is.
+    fn off_m(&self, p: &Flat) -> f64 {
+        let Seen { away_m, bulge_m, .. } = self.see(p);
+        away_m - self.r - bulge_m
+    }
+
+    /// The most that it differs from a circle.
+    fn bulge_m(&self) -> f64 {
+        (self.a * self.a + self.b * self.b).sqrt()
+    }
+
+    /// A step of the least squares nearer to the points. `None` where they do not tell.
+    fn step(&mut self, flat: &[Flat], reach: f64) -> Option<()> {
+        // The normal equations of rows (cos θ, sin θ, 1, cos 2θ, sin 2θ).
+        let mut m = [[0.0; 6]; 5];
+        for p in flat {
+            let Seen { once: [cos, sin], twice: [cos2, sin2], .. } = self.see(p);
+            add_row(&mut m, [cos, sin, 1.0, cos2, sin2, self.off_m(p)], reach);
+        }
+        let [by_x, by_y, by_r, by_a, by_b] = solve(m)?;
+        self.centre = (self.centre.0 + by_x, self.centre.1 + by_y);
+        (self.r, self.a, self.b) = (self.r + by_r, self.a + by_a, self.b + by_b);
+        Some(())
+    }
+
+    /// A point moved by as much as makes the oval a circle.
+    fn rounded(&self, p: &Flat) -> Flat {
+        let Seen { away_m, once: [cos, sin], bulge_m, .. } = self.see(p);
+        (self.centre.0 + (away_m - bulge_m) * cos, self.centre.1 + (away_m - bulge_m) * sin)
+    }
+}
+
 /// The circle of the same girth, where points lie on an oval much more closely than on the one that was `seen`.
-pub(crate) fn mean(flat: &[Flat], seen: &Circle) -> Option<Circle> {
+pub(crate) fn of_girth(flat: &[Flat], seen: &Circle) -> Option<Circle> {
     if flat.len() < LEAST_POINTS {
         return None;
     }
-    let (mut x, mut y) = seen.centre;
-    let (mut r, mut a, mut b) = (seen.radius_m, 0.0, 0.0);
-    let round = |p: &Flat, x: f64, y: f64| {
-        let (dx, dy) = (p.0 - x, p.1 - y);
-        let d = (dx * dx + dy * dy).sqrt().max(f64::MIN_POSITIVE);
-        let (cos, sin) = (dx / d, dy / d);
-        (d, cos, sin, cos * cos - sin * sin, 2.0 * cos * sin)
-    };
-    let mut offs_m: Vec<f64> = Vec::with_capacity(flat.len());
+    let mut oval = Oval { centre: seen.centre, r: seen.radius_m, a: 0.0, b: 0.0 };
     for step in 0..STEPS {
-        let off = |p: &Flat| {
-            let (d, .., cos2, sin2) = round(p, x, y);
-            d - r - a * cos2 - b * sin2
-        };
-        offs_m.clear();
-        offs_m.extend(flat.iter().map(|p| off(p).abs()));
-        let middle = offs_m.len() / 2;
-        let mad_m = *offs_m.select_nth_unstable_by(middle, f64::total_cmp).1;
+        let mad_m = median(flat.iter().map(|p| oval.off_m(p).abs()))?;
         // At first no part of the oval may count as strays.
-        let least_m = if step < STEPS / 2 { START * r } else { 1e-4 * r };
-        let reach = TUKEY * (SD_PER_MAD * mad_m).max(least_m);
-        let mut m = [[0.0; 6]; 5];
-        for p in flat {
-            let (d, cos, sin, cos2, sin2) = round(p, x, y);
-            let off = d - r - a * cos2 - b * sin2;
-            let root = (1.0 - (off / reach) * (off / reach)).max(0.0);
-            if root > 0.0 {
-                let row = [cos, sin, 1.0, cos2, sin2, off];
-                for (sums, s) in m.iter_mut().zip(row) {
-                    for (sum, t) in sums.iter_mut().zip(row) {
-                        *sum += root * root * s * t;
-                    }
-                }
-            }
-        }
-        let [by_x, by_y, by_r, by_a, by_b] = solve(m)?;
-        (x, y, r, a, b) = (x + by_x, y + by_y, r + by_r, a + by_a, b + by_b);
-        if !((0.5..2.0).contains(&(r / seen.radius_m)) && (a * a + b * b).sqrt() <= MOST * r) {
+        let least_m = if step < STEPS / 2 { START * oval.r } else { 1e-4 * oval.r };
+        oval.step(flat, TUKEY * (SD_PER_MAD * mad_m).max(least_m))?;
+        if !((0.5..2.0).contains(&(oval.r / seen.radius_m)) && oval.bulge_m() <= MOST * oval.r) {
             return None;
         }
     }
-    let is_inside = |p: &&Flat| {
-        let (d, .., cos2, sin2) = round(p, x, y);
-        d - r - a * cos2 - b * sin2 < -INSIDE * r
-    };
-    if flat.iter().filter(is_inside).count() as f64 > FEW_INSIDE * flat.len() as f64 {
+    let inside = flat.iter().filter(|p| oval.off_m(p) < -INSIDE * oval.r).count();
+    if inside as f64 > FEW_INSIDE * flat.len() as f64 {
         return None;
     }
-    let rounded: Vec<Flat> = flat
-        .iter()
-        .map(|p| {
-            let (d, cos, sin, cos2, sin2) = round(p, x, y);
-            let d = d - a * cos2 - b * sin2;
-            (x + d * cos, y + d * sin)
-        })
-        .collect();
+    let rounded: Vec<Flat> = flat.iter().map(|p| oval.rounded(p)).collect();
     let mut found = circle::fit(&rounded)?;
     // Of all points: what was seen may be a circle through some of them.
     let seen_m = mad(flat, [seen.centre.0, seen.centre.1, seen.radius_m], &mut Vec::new());
     let is_oval = found.mad_m < CLOSER * seen_m && found.arc_rad >= LEAST_ARC_RAD;
     // The girth of r (1 + q cos 2θ) is 2πr (1 + q²), to the second order: that is what a tape finds.
-    found.radius_m *= 1.0 + (a * a + b * b) / (r * r);
-    let unsure_m = UNSURE * (a * a + b * b).sqrt();
+    let bulge = oval.bulge_m() / oval.r;
+    found.radius_m *= 1.0 + bulge * bulge;
+    let unsure_m = UNSURE * oval.bulge_m();
     found.se_m = (found.se_m * found.se_m + unsure_m * unsure_m).sqrt();
     (is_oval && found.inliers >= LEAST_POINTS / 2).then_some(found)
 }
@@ -125,7 +146,7 @@ mod tests {
         for ratio in [0.85, 0.8, 0.75_f64] {
             let half_axes_m = [0.19 / ratio.sqrt(), 0.19 * ratio.sqrt()];
             let flat = ellipse(half_axes_m, TAU);
-            let found = mean(&flat, &circle::fit(&flat).unwrap()).unwrap();
+            let found = of_girth(&flat, &circle::fit(&flat).unwrap()).unwrap();
             // Its girth by π (Ramanujan 1914, to 1e-5 here).
             let [a, b] = half_axes_m;
             let h = ((a - b) / (a + b)) * ((a - b) / (a + b));
@@ -144,8 +165,8 @@ mod tests {
     #[test]
     fn what_is_round_or_seen_from_one_side_is_no_oval() {
         let round = ellipse([0.2, 0.2], TAU);
-        assert_eq!(mean(&round, &circle::fit(&round).unwrap()), None);
+        assert_eq!(of_girth(&round, &circle::fit(&round).unwrap()), None);
         let half = ellipse([0.22, 0.17], 0.5 * TAU);
-        assert_eq!(mean(&half, &circle::fit(&half).unwrap()), None);
+        assert_eq!(of_girth(&half, &circle::fit(&half).unwrap()), None);
     }
 }

@@ -241,7 +241,7 @@ impl<'a> Stretch<'a> {
             let straight = straight(&near, [u, v, w], &found);
             // A stem is an oval sooner than it leads another way than its axis; limbs that part are none.
             let is_proven = straight.as_ref().is_some_and(|&(.., is_proven)| is_proven);
-            let oval = (self.is_stem && !is_proven).then(|| oval::mean(&flat, &found)).flatten();
+            let oval = (self.is_stem && !is_proven).then(|| oval::of_girth(&flat, &found)).flatten();
             match (oval, straight) {
                 (Some(oval), _) => found = oval,
                 (None, Some((straight, centre, _))) => return Some((straight, middle + centre)),
@@ -254,8 +254,8 @@ impl<'a> Stretch<'a> {
 }
 
 /// The circle of the straight cylinder on which points lie more closely than on the one that was seen, and its centre, if there is
-/// one; and whether the points themselves lead its way. Points and centre are given from the middle of the stretch. Seen askew a cylinder is an oval, through which the circle
-/// is too large: what comes out larger is another thing.
+/// one; and whether the points themselves lead its way. Points and centre are given from the middle of the stretch. Seen askew a
+/// cylinder is an oval, through which the circle is too large: what comes out larger is another thing.
 fn straight(points: &[DVec3], frame: [DVec3; 3], seen: &Circle) -> Option<(Circle, DVec3, bool)> {
     let ([u, v, _], is_proven) = cylinder::turned(points, frame, seen)?;
     let flat: Vec<Flat> = points.iter().map(|p| (p.dot(u), p.dot(v))).collect();

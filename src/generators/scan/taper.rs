@@ -5,7 +5,7 @@
 //! fast the radius changes along the axis (Lukács, Martin & Marshall 1998, *Faithful least-squares fitting of spheres, cylinders,
 //! cones and tori for reliable segmentation*); by that each point is moved to where it would be beside the node.
 
-use super::circle::{self, Circle, Flat, SD_PER_MAD, TUKEY, solve};
+use super::circle::{self, Circle, Flat, SD_PER_MAD, TUKEY, add_row, solve};
 
 /// How often the change of the radius is looked for, with points moved by what was found before.
 const ROUNDS: usize = 2;
@@ -59,16 +59,11 @@ fn slope(flat: &[Flat], along_m: &[f64], circle: &Circle) -> Option<f64> {
         for (p, &along_m) in flat.iter().zip(along_m) {
             let d = from_axis(p);
             let off = d - r - slope * along_m;
-            let root = (1.0 - (off / reach) * (off / reach)).max(0.0);
-            if !(root > 0.0 && d > 0.0) {
+            if !(d > 0.0) {
                 continue;
             }
             let row = [(p.0 - x) / d, (p.1 - y) / d, 1.0, along_m, off];
-            for (sums, a) in m.iter_mut().zip(row) {
-                for (sum, b) in sums.iter_mut().zip(row) {
-                    *sum += root * root * a * b;
-                }
-            }
+            add_row(&mut m, row, reach);
         }
         let [by_x, by_y, by_r, by_slope] = solve(m)?;
         [x, y, r, slope] = [x + by_x, y + by_y, r + by_r, slope + by_slope];

@@ -297,7 +297,7 @@ impl<'a> Slices<'a> {
 
 /// The circle that most points lie on is one of the flanks of a stem that is an oval: then that of the oval.
 fn whole(flat: &[(f64, f64)], circle: Circle) -> Circle {
-    oval::mean(flat, &circle).unwrap_or(circle)
+    oval::of_girth(flat, &circle).unwrap_or(circle)
 }
 
 fn is_believed(circle: &Circle) -> bool {

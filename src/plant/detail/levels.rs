@@ -70,6 +70,7 @@ pub fn levels(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) ->
     let wardrobe = Wardrobe::new(&specimen.with(&dressing), body.organs, monitor)?;
     let levels = plan.dress(specimen, body, &wardrobe, monitor)?;
     notes.extend(note_on_billboard(&specimen.dressing.detail, &levels));
+    notes.extend(plan.unmet(&levels));
     Ok(Levels { levels, notes })
 }
 
@@ -132,14 +133,14 @@ pub fn year(
         looks.push((dressing, organs));
     }
     let amount = |at: usize| looks[at].1.amount().1;
-    let fullest = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
+    let most = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
 
     let mut notes = Vec::new();
     if !specimen.dressing.foliage.changes_with_seasons() {
         notes.push("seasons: nothing on this plant changes with them".to_owned());
     }
     notes.extend(missed(&specimen.dressing.foliage, &seasons));
-    let fullest = Body { organs: &looks[fullest].1, ..body };
+    let fullest = Body { organs: &looks[most].1, ..body };
     let plan = Plan::new(specimen.dressing, fullest, &mut notes, monitor)?;
     let mut wardrobe: Option<Wardrobe> = None;
     let mut year = Vec::with_capacity(seasons.len());
@@ -158,6 +159,7 @@ pub fn year(
         wardrobe = Some(worn);
     }
     notes.extend(year.first().and_then(|(_, levels)| note_on_billboard(&specimen.dressing.detail, levels)));
+    notes.extend(year.get(most).into_iter().flat_map(|(_, levels)| plan.unmet(levels)));
     Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
 }
 
@@ -187,10 +189,8 @@ const MOST_BEFORE_BILLBOARD: usize = 5000;
 
 /// Says where there is nothing between a heavy level and the crossed planes behind it.
 fn note_on_billboard(detail: &DetailSettings, levels: &[Level]) -> Option<String> {
-    let triangles =
-        |level: &Level| -> usize { level.scene.parts.iter().map(|part| part.mesh.triangles.len()).sum() };
     let [.., before, last] = levels else { return None };
-    let (before, last) = (triangles(before), triangles(last));
+    let (before, last) = (before.scene.triangles(), last.scene.triangles());
     (detail.billboard > 0 && before > MOST_BEFORE_BILLBOARD).then(|| {
         format!(
             "billboard: it has {last} triangles and the level before it {before}; budgets make levels between, like \
@@ -200,6 +200,18 @@ fn note_on_billboard(detail: &DetailSettings, levels: &[Level]) -> Option<String
             rounded(before / 25)
         )
     })
+}
+
+/// A budget is met within this share of it, as the knob `triangles` says.
+const NEAR_BUDGET: f64 = 0.05;
+
+/// Says which budgets were not met. What is more than the whole tree has was made less before, and is said elsewhere.
+fn unmet(budgets: &[Option<u64>], found: impl IntoIterator<Item = usize>) -> Vec<String> {
+    let pairs = budgets.iter().zip(found).filter_map(|(budget, found)| Some(((*budget)?, found as u64)));
+    pairs
+        .filter(|&(budget, found)| budget.abs_diff(found) as f64 > NEAR_BUDGET * budget as f64)
+        .map(|(budget, found)| format!("a budget of {budget} triangles was not met: {found} are written"))
+        .collect()
 }
 
 /// To two digits.
@@ -222,6 +234,8 @@ const NO_CARDS: &str = "no level needs them, since enough leaves are left in eac
 struct Plan {
     /// How much each has, finest first; `None`: one with everything.
     details: Option<Vec<Detail>>,
+    /// How many triangles were asked for, for each of these; `None`: for as many as it takes.
+    budgets: Vec<Option<u64>>,
     /// What is seen past the foliage where there is most: in all seasons the same wood stays.
     exposure: Exposure,
 }
@@ -245,13 +259,13 @@ impl Plan {
             return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });
         }
         if detail.is_whole() {
-            return Ok(Self { details: None, exposure: Exposure::default() });
+            return Ok(Self { details: None, budgets: Vec::new(), exposure: Exposure::default() });
         }
         let exposure = Exposure::of(body, monitor)?;
         let simplifier = Simplifier::with_exposure(tubes, body, &exposure, monitor)?;
         let foliage = &dressing.foliage;
         let full = simplifier.in_level(foliage, 0, monitor)?.full_triangles(monitor)?;
-        let mut details = Vec::new();
+        let (mut details, mut asked) = (Vec::new(), Vec::new());
         let mut are_cards_missed = false;
         if !budgets.is_empty() {
             let most = budgets.iter().rposition(|&budget| budget >= full).unwrap_or(0);
@@ -267,10 +281,11 @@ impl Plan {
             for (number, &budget) in budgets[most..].iter().enumerate() {
                 let simplifier = simplifier.in_level(foliage, number, monitor)?;
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
+                asked.push(Some(budget.min(full)));
                 are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
                 notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             }
-            return Ok(Self::of(details, exposure, dressing, are_cards_missed, notes));
+            return Ok(Self::of((details, asked), exposure, dressing, are_cards_missed, notes));
         }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -288,17 +303,18 @@ impl Plan {
                 break;
             }
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
+            asked.push((level == 0 && detail.triangles > 0).then_some(budget));
             are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
             let number = level as usize;
             notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
-        Ok(Self::of(details, exposure, dressing, are_cards_missed, notes))
+        Ok(Self::of((details, asked), exposure, dressing, are_cards_missed, notes))
     }
 
     /// Levels of these details. Says what is asked for cards where no level has any.
     fn of(
-        details: Vec<Detail>,
+        (details, budgets): (Vec<Detail>, Vec<Option<u64>>),
         exposure: Exposure,
         dressing: &Dressing,
         are_cards_missed: bool,
@@ -312,7 +328,13 @@ impl Plan {
         if !branch_cards && !are_cards_missed {
             notes.push(format!("branch_cards: {NO_CARDS}"));
         }
-        Self { details: Some(details), exposure }
+        Self { details: Some(details), budgets, exposure }
+    }
+
+    /// Says which budgets these levels do not meet; without a surface they have no triangles.
+    fn unmet(&self, levels: &[Level]) -> Vec<String> {
+        let found = levels.iter().map(|level| level.scene.triangles());
+        unmet(&self.budgets, found.take_while(|triangles| *triangles > 0))
     }
 
     /// How the tree is dressed in these levels: leaves that are seen on cards alone are small on them, and so may be
@@ -394,15 +416,13 @@ impl Plan {
         }
         // As many triangles per pixel in each: the height goes with the root of their number.
         let step = (detail.lod_ratio as f32).sqrt();
-        let triangles =
-            |scene: &Scene| scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>();
-        let most = triangles(&scenes[0]).max(1) as f32;
+        let most = scenes[0].triangles().max(1) as f32;
         let is_listed = !detail.budgets().is_empty();
         let last = scenes.len() - 1;
         let mut coverage = NEAR / step;
         let level = |(index, scene): (usize, Scene)| {
             coverage *= step;
-            let listed = NEAR * (triangles(&scene) as f32 / most).sqrt();
+            let listed = NEAR * (scene.triangles() as f32 / most).sqrt();
             let threshold = if is_listed { listed } else { coverage };
             Level { scene, coverage: if index == last { 0.0 } else { threshold } }
         };
@@ -481,4 +501,22 @@ fn dressed(
     // Whatever is shown of it, this is the tree.
     scene.skeleton = Arc::clone(body.skeleton);
     Ok(scene)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_budget_is_met_within_a_twentieth() {
+        assert_eq!(unmet(&[Some(20_000), None], [19_964, 6_700]), Vec::<String>::new());
+        assert_eq!(unmet(&[Some(500)], [525]), Vec::<String>::new());
+        assert_eq!(unmet(&[Some(500)], [640]), ["a budget of 500 triangles was not met: 640 are written"]);
+        assert_eq!(unmet(&[None], [1_200_000]), Vec::<String>::new(), "none was asked for");
+        assert_eq!(
+            unmet(&[Some(4000), Some(1000)], [4000, 1500, 8]),
+            ["a budget of 1000 triangles was not met: 1500 are written"],
+            "planes have no budget"
+        );
+    }
 }

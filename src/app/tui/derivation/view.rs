@@ -9,8 +9,8 @@ use unicode_width::UnicodeWidthStr;
 
 use super::commands::last_step;
 use super::{Debugger, PICTURE, WORD, grammar, marks};
+use crate::figures::{metres, thousands};
 use crate::jobs::{DerivedWord, short};
-use crate::tui::figures::{metres, thousands};
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::Model;
 use crate::tui::picture;
@@ -119,9 +119,7 @@ pub fn paint(model: &Model, debugger: &Debugger, buffer: &mut Buffer, view: &mut
 fn title(model: &Model, debugger: &Debugger) -> String {
     let last = last_step(model);
     let of = match last {
-        Some(last) if debugger.step > last => {
-            format!(", past {last}")
-        }
+        Some(last) if debugger.step > last => format!(", past {last}"),
         Some(last) => format!(" of {last}"),
         None => String::new(),
     };

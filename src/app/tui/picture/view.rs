@@ -12,8 +12,8 @@ use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::{beside, is_grey, seen, split, standing};
+use crate::figures::thousands;
 use crate::jobs::{HowFar, Painted};
-use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, Target, View};
 use crate::tui::model::Model;
 use crate::tui::screen::NOT_GROWN;

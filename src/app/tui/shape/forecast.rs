@@ -3,7 +3,7 @@
 use linden::lsystem::Forecast;
 use linden::preset::{LSystem, Preset};
 
-use crate::tui::figures::thousands;
+use crate::figures::thousands;
 
 /// Modules of a grammar's text that are looked through for a forecast on screen; more would hold up a frame.
 const MOST_MODULES: usize = 20_000;

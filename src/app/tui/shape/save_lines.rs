@@ -26,12 +26,53 @@ pub struct SaveLine {
     what: Saving,
 }
 
-/// The line of the answer: yes or no.
-struct ReplaceLine {
+/// The line of an answer: yes or no.
+struct YesLine {
     prompt: Prompt,
-    /// The id or the path in question, as it was typed.
-    id: String,
-    what: Saving,
+    asks: Question,
+}
+
+/// What is asked before something is saved, and done after a yes.
+enum Question {
+    /// Whether what has the id or the path, as it was typed, is replaced.
+    Replace { id: String, what: Saving },
+    /// Whether a folder is made to save in.
+    Folder { folder: PathBuf, order: Option<Effect> },
+}
+
+impl Question {
+    fn open(self, model: &mut Model) {
+        model.dialogs.open(YesLine { prompt: Prompt::new(""), asks: self });
+    }
+
+    /// The question, and what it is about.
+    fn words(&self, model: &Model) -> (String, String) {
+        match self {
+            Self::Replace { id, .. } => {
+                // Of a path the name says enough, and leaves room for the answers.
+                let name = id.rsplit(std::path::is_separator).next().unwrap_or_default();
+                let label = format!("replace '{}'? y or n", linden::knob::excerpt(name));
+                (label, save::loss(model, id).to_owned())
+            }
+            Self::Folder { folder, .. } => (
+                "make it? y or n".to_owned(),
+                format!("there is no directory {}", crate::paths::show(folder)),
+            ),
+        }
+    }
+
+    /// Does it.
+    fn yes(&mut self, effects: &mut Effects) {
+        match self {
+            Self::Replace { id, what } => what.order(id, true, effects),
+            Self::Folder { order, .. } => effects.extend(order.take()),
+        }
+    }
+}
+
+/// There is no folder to save in: whether it is to be made.
+pub fn ask_for_folder(model: &mut Model, folder: PathBuf, order: Effect) {
+    Question::Folder { folder, order: Some(order) }.open(model);
 }
 
 /// What is saved: what the line was opened for, whatever is on screen when it is accepted.
@@ -126,7 +167,7 @@ impl Dialog<Model> for SaveLine {
         }
         let id = self.id().to_owned();
         if save::replaces(model, &id) {
-            model.dialogs.open(ReplaceLine { prompt: Prompt::new(""), id, what: self.what.clone() });
+            Question::Replace { id, what: self.what.clone() }.open(model);
         } else {
             self.what.order(&id, false, effects);
         }
@@ -140,7 +181,7 @@ impl Dialog<Model> for SaveLine {
     }
 }
 
-impl Dialog<Model> for ReplaceLine {
+impl Dialog<Model> for YesLine {
     fn context(&self) -> Context {
         prompt::CONTEXT
     }
@@ -150,10 +191,8 @@ impl Dialog<Model> for ReplaceLine {
     }
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        // Of a path the name says enough, and leaves room for the answers.
-        let name = self.id.rsplit(std::path::is_separator).next().unwrap_or_default();
-        let label = format!("replace '{}'? y or n", linden::knob::excerpt(name));
-        let remark = Remark { text: save::loss(model, &self.id).to_owned(), warns: true };
+        let (label, text) = self.asks.words(model);
+        let remark = Remark { text, warns: true };
         self.prompt.paint_at_bottom(model, &label, Some(&remark), screen, buffer, view);
     }
 
@@ -161,7 +200,7 @@ impl Dialog<Model> for ReplaceLine {
     fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
         match key.code {
             KeyCode::Char('y' | 'Y') if key.modifiers - KeyModifiers::SHIFT == KeyModifiers::NONE => {
-                self.what.order(&self.id, true, effects);
+                self.asks.yes(effects);
                 After::Closes
             }
             KeyCode::Char(_) => self.accept(model, effects),
@@ -175,60 +214,7 @@ impl Dialog<Model> for ReplaceLine {
         After::Closes
     }
 
-    /// Enter alone replaces.
-    fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
-        self.cancel(model, effects);
-        After::Closes
-    }
-}
-
-/// The question whether a folder is made to save in.
-struct FolderLine {
-    prompt: Prompt,
-    folder: PathBuf,
-    /// What is done then.
-    order: Option<Effect>,
-}
-
-/// There is no folder to save in: whether it is to be made.
-pub fn ask_for_folder(model: &mut Model, folder: PathBuf, order: Effect) {
-    model.dialogs.open(FolderLine { prompt: Prompt::new(""), folder, order: Some(order) });
-}
-
-impl Dialog<Model> for FolderLine {
-    fn context(&self) -> Context {
-        prompt::CONTEXT
-    }
-
-    fn is_prompt(&self) -> bool {
-        true
-    }
-
-    fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let text = format!("there is no directory {}", crate::paths::show(&self.folder));
-        let remark = Remark { text, warns: true };
-        self.prompt.paint_at_bottom(model, "make it? y or n", Some(&remark), screen, buffer, view);
-    }
-
-    /// One letter answers.
-    fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
-        match key.code {
-            KeyCode::Char('y' | 'Y') => {
-                effects.extend(self.order.take());
-                After::Closes
-            }
-            KeyCode::Char(_) => self.accept(model, effects),
-            _ => After::Stays,
-        }
-    }
-
-    /// Enter alone is no.
-    fn accept(&mut self, model: &mut Model, _effects: &mut Effects) -> After {
-        model.say("not saved");
-        After::Closes
-    }
-
-    /// Enter alone makes nothing.
+    /// Enter alone does nothing.
     fn leave(&mut self, model: &mut Model, effects: &mut Effects) -> After {
         self.cancel(model, effects);
         After::Closes

@@ -5,10 +5,10 @@ use linden::surface::Junction;
 use linden_exporters::Options;
 
 use super::of;
+use crate::figures::{length, thousands};
 use crate::jobs::{MeasuredFigures, ShownTree};
 use crate::numbers::line_with;
 use crate::tui::chrome::PageLine;
-use crate::tui::figures::{length, thousands};
 use crate::tui::model::{Model, Weight};
 
 /// The lines for the tree on screen: as far as it was measured.

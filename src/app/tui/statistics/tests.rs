@@ -15,7 +15,7 @@ fn the_page_measures_the_tree_on_screen_and_no_other() {
     assert!(wanted(&bench.model).is_none(), "once is enough");
     let screen = bench.screen();
     // Written as in the title.
-    let nodes = super::super::figures::thousands(shown.grown.skeleton.positions.len() as u64);
+    let nodes = crate::figures::thousands(shown.grown.skeleton.positions.len() as u64);
     assert!(nodes.contains(' ') && screen.matches(&nodes).count() > 1, "{nodes}: {screen}");
     // The same as the skeleton's own measures, and a line for each format that has an estimate.
     let height = format!("{:.4}", shown.measures.height_m);

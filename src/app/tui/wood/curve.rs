@@ -15,11 +15,11 @@ use ratatui::layout::Rect;
 
 use super::line::EditLine;
 use super::{WoodPick, edited};
+use crate::figures::metres;
 use crate::jobs::Marks;
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
-use crate::tui::figures::metres;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
 use crate::tui::picture;

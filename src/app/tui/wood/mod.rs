@@ -23,12 +23,12 @@ use self::line::EditLine;
 use super::command::Context;
 use super::dialog::{After, Dialog};
 use super::effect::Effects;
-use super::figures::{metres, thousands};
 use super::layout::View;
 use super::model::Model;
 use super::picture;
 use super::shape;
 use super::tree::Tree;
+use crate::figures::{metres, thousands};
 use crate::jobs::{Marks, ShownTree};
 
 /// Where the keys of the pick are listened to.
