@@ -17,6 +17,8 @@ pub mod impostor;
 mod leaves;
 mod levels;
 mod solve;
+#[cfg(test)]
+mod stem_tests;
 mod wood;
 
 use std::sync::Arc;
@@ -46,6 +48,8 @@ pub use solve::{Amount, Shares, shares};
 pub struct Detail {
     /// Sides of the thickest ring, 3 to 128: see [`Tubes::sides`].
     pub sides: u32,
+    /// The fewest sides of stems where they are stout: see [`Tubes::stem_sides`].
+    pub stem_sides: u32,
     /// Rings per segment: see [`Tubes::rings`].
     pub rings: u32,
     /// Nodes are passed over as long as their axis stays within this distance of where it was, metres;
@@ -55,6 +59,10 @@ pub struct Detail {
     /// all. Of axes that are equally thick some stay a little longer, so that not all go at once, and those
     /// that are seen past the foliage some times longer than those that are hidden in it.
     pub smallest_radius_m: f32,
+    /// Buttresses that stand out less are left out, metres; 0 keeps all.
+    pub smallest_ridge_m: f32,
+    /// Roots on the ground that are thinner are left out, radius in metres; 0 keeps all.
+    pub smallest_root_m: f32,
     /// Share of the leaves that is kept, 0 to 1; with branch cards, of those beside them.
     pub leaf_share: f64,
     /// Branch cards stand for pieces of foliage of about this size, metres, in place of all leaves; 0: leaves as
@@ -66,17 +74,17 @@ pub struct Detail {
 /// that its axis may then be off.
 const SMOOTH_FROM: f32 = 20.0;
 
-/// Nothing hides roots and buttresses: they are left out below this share of the radius of limbs that are.
-const AT_FOOT: f32 = 0.5;
-
 impl Detail {
     /// Everything that there is.
     pub const fn full(tubes: &Tubes) -> Self {
         Self {
             sides: tubes.sides,
+            stem_sides: 0,
             rings: tubes.rings,
             tolerance_m: 0.0,
             smallest_radius_m: 0.0,
+            smallest_ridge_m: 0.0,
+            smallest_root_m: 0.0,
             leaf_share: 1.0,
             card_m: 0.0,
         }
@@ -217,14 +225,14 @@ impl<'a> Simplifier<'a> {
 
     /// How a level's wood is swept: stubs go as limbs of their thickness do, roots and buttresses later.
     fn tubes(&self, detail: &Detail) -> Tubes {
-        let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        let Detail { sides, stem_sides, rings, .. } = *detail;
+        let mut tubes = Tubes { sides, stem_sides, rings, ..self.tubes };
         if tubes.smooth_wood > 0.0 {
             tubes.smooth_wood +=
                 SMOOTH_FROM * detail.tolerance_m / self.wood.thickest_m().max(f32::MIN_POSITIVE);
         }
-        let smallest_at_foot_m = AT_FOOT * detail.smallest_radius_m;
-        tubes.features.flare_smallest_m = smallest_at_foot_m;
-        tubes.features.roots.smallest_m = smallest_at_foot_m;
+        tubes.features.flare_smallest_m = detail.smallest_ridge_m;
+        tubes.features.roots.smallest_m = detail.smallest_root_m;
         tubes.features.stubs.smallest_m = detail.smallest_radius_m;
         tubes
     }

@@ -61,6 +61,20 @@ fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
     for_wood.max(budget.saturating_sub(leaves)).min(wood)
 }
 
+/// From which budget on stems have so many sides at least, where they are stout: what stands beside a person is looked at
+/// from near, however much of the budget is in the crown.
+const STEM_SIDES: [(u64, u32); 5] = [(15_000, 10), (5000, 8), (1500, 6), (0, 5), (0, 4)];
+/// As long as the stems alone are no more than this share of the budget.
+const STEMS: f64 = 0.15;
+/// A stem counts that is no thinner than this share of the thickest.
+const STEM_FROM: f32 = 0.3;
+/// Nothing hides roots and buttresses: they are left out below this share of the radius of limbs that are.
+const AT_FOOT: f32 = 0.5;
+/// But not where they are larger than one of these shares of the thickest radius, the first of which all of them are no
+/// more than so much of the budget: a stem that has buttresses in one level has them in the next.
+const AT_FOOT_FROM: [f32; 10] = [0.02, 0.06, 0.12, 0.18, 0.24, 0.28, 0.32, 0.36, 0.4, 0.44];
+const RIDGES: f64 = 0.07;
+const ROOTS: f64 = 0.06;
 /// As near as this share of the budget is near enough.
 const NEAR: f64 = 0.01;
 /// The count is promised to be within this share of the budget.
@@ -71,6 +85,21 @@ const HALVINGS: u32 = 20;
 const COARSEST: f32 = 1.0;
 /// The finest deviation that anybody would see, as a share of the tree's size.
 const FINEST: f32 = 1e-6;
+
+/// What a level keeps of its stems and their feet, however coarse it is.
+#[derive(Clone, Copy, Debug)]
+struct Floor {
+    /// See [`Detail::stem_sides`].
+    sides: u32,
+    /// The most that [`Detail::smallest_ridge_m`] may be.
+    ridge_m: f32,
+    /// The most that [`Detail::smallest_root_m`] may be.
+    root_m: f32,
+}
+
+impl Floor {
+    const NONE: Self = Self { sides: 0, ridge_m: f32::INFINITY, root_m: f32::INFINITY };
+}
 
 impl Simplifier<'_> {
     /// Triangles of the whole tree.
@@ -86,7 +115,38 @@ impl Simplifier<'_> {
     /// # Errors
     /// [`DetailError::Cancelled`].
     pub fn least_triangles(&self, monitor: &dyn Monitor) -> Result<u64, DetailError> {
-        Ok(self.wood_triangles(&self.coarse(1.0, 1), monitor)? + self.leaves.least())
+        Ok(self.wood_triangles(&self.coarse(1.0, 1, Floor::NONE), monitor)? + self.leaves.least())
+    }
+
+    /// What a budget of the whole tree keeps of its stems.
+    fn floor(&self, budget: u64, monitor: &dyn Monitor) -> Result<Floor, DetailError> {
+        let stems = self.wood.stems(STEM_FROM) as f64;
+        let cost = |floor| {
+            let triangles = self.wood_triangles(&self.coarse(1.0, 1, floor), monitor)?;
+            Ok::<_, DetailError>(triangles as f64 * stems)
+        };
+        let mut floor = Floor::NONE;
+        for (_, sides) in STEM_SIDES.into_iter().filter(|(from, _)| budget >= *from) {
+            let kept = Floor { sides: sides.min(self.tubes.sides), ..Floor::NONE };
+            if cost(kept)? <= STEMS * budget as f64 {
+                floor = kept;
+                break;
+            }
+        }
+        let thickest_m = self.wood.thickest_m();
+        let with_ridges = |floor, ridge_m| Floor { ridge_m, ..floor };
+        let with_roots = |floor, root_m| Floor { root_m, ..floor };
+        for (with, most) in [(with_ridges as fn(Floor, f32) -> Floor, RIDGES), (with_roots, ROOTS)] {
+            let before = cost(floor)?;
+            for share in AT_FOOT_FROM {
+                let kept = with(floor, share * thickest_m);
+                if cost(kept)? - before <= most * budget as f64 {
+                    floor = kept;
+                    break;
+                }
+            }
+        }
+        Ok(floor)
     }
 
     /// The detail with `budget` triangles, or all where the tree has no more.
@@ -109,21 +169,21 @@ impl Simplifier<'_> {
         if is_whole && !(with_cards && self.leaves.forms().wants_cards) {
             return Ok(all);
         }
-        let least_wood = self.wood_triangles(&self.coarse(1.0, 1), monitor)?;
-        let least = least_wood + self.leaves.least();
+        let least = self.least_triangles(monitor)?;
         if budget < least {
             return Err(DetailError::TooFew { budget, least });
         }
-        if with_cards && let Some(detail) = self.in_cards(budget, [wood, leaves], least_wood, monitor)? {
+        let floor = self.floor(budget, monitor)?;
+        if with_cards && let Some(detail) = self.in_cards(budget, [wood, leaves], floor, monitor)? {
             return Ok(detail);
         }
         if is_whole {
             return Ok(all);
         }
         // Each needs its least.
-        let for_wood = share_of_wood(budget, wood, leaves);
-        let mut detail =
-            self.wood_within(for_wood.clamp(least_wood, budget - self.leaves.least()), monitor)?;
+        let most = budget - self.leaves.least();
+        let for_wood = share_of_wood(budget, wood, leaves).max(self.least_wood(floor, monitor)?).min(most);
+        let mut detail = self.wood_within(for_wood, floor, monitor)?;
         let used = self.wood_triangles(&detail, monitor)?;
         detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used), Which::All);
         Ok(detail)
@@ -142,7 +202,7 @@ impl Simplifier<'_> {
         &self,
         budget: u64,
         [wood, leaves]: [u64; 2],
-        least_wood: u64,
+        floor: Floor,
         monitor: &dyn Monitor,
     ) -> Result<Option<Detail>, DetailError> {
         let forms = self.leaves.forms();
@@ -154,7 +214,11 @@ impl Simplifier<'_> {
         if on_cards == 0 || !(shares.in_cards || forms.wants_cards) {
             return Ok(None);
         }
-        let mut detail = self.wood_within(shares.wood.clamp(least_wood, left.max(least_wood)), monitor)?;
+        // What stems keep is not taken from the limbs.
+        let least_wood = self.least_wood(floor, monitor)?;
+        let kept = least_wood.saturating_sub(self.least_wood(Floor::NONE, monitor)?);
+        let for_wood = (shares.wood + kept).min(wood).clamp(least_wood, left.max(least_wood));
+        let mut detail = self.wood_within(for_wood, floor, monitor)?;
         detail.leaf_share = leaf_share;
         let used = self.wood_triangles(&detail, monitor)? + beside;
         let rest = budget.saturating_sub(used);
@@ -191,8 +255,13 @@ impl Simplifier<'_> {
         nodes.len() as u64
     }
 
+    /// The stem alone.
+    fn least_wood(&self, floor: Floor, monitor: &dyn Monitor) -> Result<u64, DetailError> {
+        self.wood_triangles(&self.coarse(1.0, 1, floor), monitor)
+    }
+
     /// All deviations of the wood from one number: 0 is all of it, 1 the stem alone.
-    fn coarse(&self, scale: f32, rings: u32) -> Detail {
+    fn coarse(&self, scale: f32, rings: u32, floor: Floor) -> Detail {
         let Tubes { sides, .. } = self.tubes;
         if scale <= 0.0 {
             return Detail { rings, ..Detail::full(&self.tubes) };
@@ -204,43 +273,48 @@ impl Simplifier<'_> {
         let radius_m = self.wood.thickest_m().max(f32::MIN_POSITIVE);
         let sagitta = 1.0 - libm::cosf(std::f32::consts::PI / sides as f32) + error_m / radius_m;
         let enough = std::f32::consts::PI / libm::acosf((1.0 - sagitta).max(-1.0));
+        let smallest_radius_m = SMALLEST * error_m;
         Detail {
-            sides: (enough as u32).clamp(3, sides),
+            // Limbs have sides in proportion.
+            sides: (enough as u32).max(floor.sides).clamp(3, sides),
+            stem_sides: floor.sides,
             rings,
             tolerance_m: TOLERANCE * error_m,
-            smallest_radius_m: SMALLEST * error_m,
+            smallest_radius_m,
+            smallest_ridge_m: (AT_FOOT * smallest_radius_m).min(floor.ridge_m),
+            smallest_root_m: (AT_FOOT * smallest_radius_m).min(floor.root_m),
             leaf_share: 1.0,
             card_m: 0.0,
         }
     }
 
     /// The wood with about `budget` triangles, rather fewer than more.
-    fn wood_within(&self, budget: u64, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
+    fn wood_within(&self, budget: u64, floor: Floor, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
         // The fewest rings between nodes that leave something to be taken away.
         let mut rings = self.tubes.rings;
-        while rings > 1 && self.wood_triangles(&self.coarse(0.0, rings - 1), monitor)? >= budget {
+        while rings > 1 && self.wood_triangles(&self.coarse(0.0, rings - 1, floor), monitor)? >= budget {
             rings -= 1;
         }
-        let whole = self.coarse(0.0, rings);
+        let whole = self.coarse(0.0, rings, floor);
         if self.wood_triangles(&whole, monitor)? <= budget {
             return Ok(whole);
         }
         let (over, under) =
-            self.bracket(budget, whole, (0.0, 1.0), |scale| self.coarse(scale, rings), monitor)?;
+            self.bracket(budget, whole, (0.0, 1.0), |scale| self.coarse(scale, rings, floor), monitor)?;
         if under.triangles > budget {
-            return Ok(self.coarse(1.0, 1));
+            return Ok(self.coarse(1.0, 1, floor));
         }
         if near(under.triangles, budget) {
             return Ok(under.detail);
         }
         // A jump: there many rings lose a side at once. With the sides from before it, nodes and axes go
         // one by one.
-        let finer = |scale| Detail { sides: over.detail.sides, ..self.coarse(scale, rings) };
+        let finer = |scale| Detail { sides: over.detail.sides, ..self.coarse(scale, rings, floor) };
         let (mut over, mut under) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
         if !within(PROMISED, under.triangles, budget) {
             // A limb goes with all that it bears. With all limbs from before it, only their nodes do.
             let Detail { sides, smallest_radius_m, .. } = over.detail;
-            let finer = |scale| Detail { sides, smallest_radius_m, ..self.coarse(scale, rings) };
+            let finer = |scale| Detail { sides, smallest_radius_m, ..self.coarse(scale, rings, floor) };
             let (finer, coarser) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
             if coarser.triangles <= budget && coarser.triangles > under.triangles {
                 (over, under) = (finer, coarser);

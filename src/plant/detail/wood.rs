@@ -88,6 +88,15 @@ impl<'a> Wood<'a> {
         thickest_m(self.skeleton)
     }
 
+    /// How many stems are at their feet no thinner than a share of the thickest; at least one.
+    pub fn stems(&self, share: f32) -> usize {
+        let skeleton = self.skeleton;
+        let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+        let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
+        let least_m = share * self.thickest_m();
+        feet.filter(|&&foot| skeleton.radii[foot as usize] >= least_m).count().max(1)
+    }
+
     /// The longest edge of the box round it, metres.
     pub fn size_m(&self) -> f32 {
         let bounds = linden_base::mesh::Bounds::of(self.skeleton.positions.iter().copied());

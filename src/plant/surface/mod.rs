@@ -55,6 +55,9 @@ pub struct Tubes {
     /// Sides of the thickest ring; thinner ones have fewer, down to 3, with the same relative
     /// deviation from a circle. 3 to 128.
     pub sides: u32,
+    /// The fewest sides of a stem where it is at least [`STOUT`] times as thick as at its foot; 0: as its thickness asks
+    /// for.
+    pub stem_sides: u32,
     /// Rings per segment, at least 1: with more, the tube follows a smooth curve through the nodes.
     pub rings: u32,
     /// Wood of at least this share of the thickest radius has as many rings as its curve needs, so that it has no
@@ -88,6 +91,9 @@ linden_base::words! {
     }
 }
 
+/// From this share of its thickness at the foot on a stem has [`Tubes::stem_sides`]: what people stand beside.
+pub const STOUT: f32 = 0.45;
+
 /// The collar of [`Junction::Blend`], where the settings have none.
 pub const BLEND_COLLAR: f32 = 0.6;
 
@@ -106,6 +112,7 @@ impl Default for Tubes {
     fn default() -> Self {
         Self {
             sides: 24,
+            stem_sides: 0,
             rings: 1,
             smooth_wood: 0.0,
             width_smoothing: 2.0,

@@ -98,7 +98,7 @@ impl PlainTubes {
         let (mut before, mut pictures) = (None, Wraps::default());
         let mut below = None;
         for (i, ring) in rings.iter().enumerate() {
-            let circle = roundness.circle(ring.radius, 0);
+            let circle = form.circle(ring, ring.radius, roundness);
             let sides = circle.sides() as usize;
             self.rings.swap(0, 1);
             let [above, under] = &mut self.rings;

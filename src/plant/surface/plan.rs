@@ -13,7 +13,7 @@ use super::stubs::{self, Bole, Boles};
 use super::target::Amount;
 use super::tube;
 use super::tube_form::{Roundness, TubeForm};
-use super::{Tubes, curve};
+use super::{STOUT, Tubes, curve};
 use linden_base::memory::bytes_of;
 use linden_skeleton::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 
@@ -83,7 +83,8 @@ impl<'a> Course<'a> {
         // What was cut off ends as thick as it was there.
         let is_cut = nodes.last().is_some_and(|apex| self.skeleton.is_cut_at(*apex));
         taper_twig(stations, if is_cut { 0.0 } else { self.tubes.features.twig_taper });
-        path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
+        let least = if axis.parent == NO_PARENT { self.tubes.stem_sides } else { 0 };
+        path::thicken(stations, |radius_m| self.roundness.sides(radius_m).max(least));
     }
 
     /// Appends the rings of an axis, and says how they become its tube.
@@ -108,6 +109,7 @@ impl<'a> Course<'a> {
             form.ends = Ends::Cut;
         }
         if is_stem {
+            form.stout = (self.tubes.stem_sides, STOUT * base.radius);
             form.flare = Flare::new(features, base.radius);
             if let Some(flare) = &form.flare {
                 flare.widen(stations);

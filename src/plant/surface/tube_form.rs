@@ -115,6 +115,8 @@ pub(super) struct TubeForm {
     pub is_bent: bool,
     /// Whether it stands on the ground.
     pub is_stem: bool,
+    /// The fewest sides that it has from a radius on, metres.
+    pub stout: (u32, f32),
 }
 
 impl TubeForm {
@@ -125,6 +127,8 @@ impl TubeForm {
             (_, Some(root)) => root.least_sides(ring.along, roundness.sides(roundness.thickest_m)),
             _ => 0,
         };
+        let (sides, from_m) = self.stout;
+        let least = if radius_m >= from_m { least.max(sides) } else { least };
         let wider = match &self.collar {
             Some(collar) if collar.shapes(ring.along) => 0.5 * collar.fillet_m,
             _ => 0.0,
