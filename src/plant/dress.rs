@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::foliage::{
     self, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look, ShedLeaf,
 };
-use crate::moss::{self, Mossy};
+use crate::moss::{self, MossSteps, Mossy};
 use crate::scene::{Material, Part, Scene, Wrap};
 use crate::settings::{Dressing, Form, LIMBS, LeafKind, TWIGS};
 use crate::surface::relief::{self, Heights, ReliefError};
@@ -110,6 +110,8 @@ pub struct Wardrobe {
     thin_barks: Vec<(&'static str, f32, Material)>,
     /// The bark under more and more moss, where any grows.
     mossy: Vec<Material>,
+    /// Which of these.
+    moss_steps: MossSteps,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
@@ -126,7 +128,9 @@ impl Wardrobe {
         let (bark, thin_barks) = (bark(specimen, monitor)?, thin_barks(specimen, monitor)?);
         let mossy = moss::materials(specimen, &bark, monitor)?;
         let (covers, shapes) = (Vec::new(), Vec::new().into());
-        Self { bark, thin_barks, mossy, covers, shapes, cards: None }.in_season(specimen, organs, monitor)
+        let moss_steps = MossSteps::All;
+        let bare = Self { bark, thin_barks, mossy, moss_steps, covers, shapes, cards: None };
+        bare.in_season(specimen, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -162,6 +166,11 @@ impl Wardrobe {
         Self { covers: self.covers.clone(), shapes, cards: self.cards, ..self.bare() }
     }
 
+    /// The same with some of the mossy parts.
+    pub(crate) fn with_moss(self, moss_steps: MossSteps) -> Self {
+        Self { moss_steps, ..self }
+    }
+
     /// Of all kinds.
     pub(crate) const fn shapes(&self) -> &Arc<[LeafShape]> {
         &self.shapes
@@ -170,7 +179,8 @@ impl Wardrobe {
     /// The same barks without anything on the wood.
     fn bare(&self) -> Self {
         let (bark, thin_barks, mossy) = (self.bark.clone(), self.thin_barks.clone(), self.mossy.clone());
-        Self { bark, thin_barks, mossy, covers: Vec::new(), shapes: Vec::new().into(), cards: None }
+        let (covers, shapes) = (Vec::new(), Vec::new().into());
+        Self { bark, thin_barks, mossy, moss_steps: self.moss_steps, covers, shapes, cards: None }
     }
 
     /// What the thinnest wood is covered with.
@@ -268,9 +278,10 @@ impl Wardrobe {
                 .admit(PARTING, parted + moss::bytes_to_cut(trunk), PARTING_ADVICE)
                 .map_err(SurfaceError::from)?;
             let mossy = Mossy::on(specimen, foot_m(body.skeleton), body.skeleton.foot_radius_m());
-            let cut = mossy.cut(trunk, &is_thick, materials.len());
+            let all = parts.iter().map(|part| part.mesh.triangles.len()).sum();
+            let (cut, kept) = mossy.cut(trunk, &is_thick, materials.len(), (self.moss_steps, all));
             parts.splice(..1, cut);
-            materials.extend(self.mossy.iter().cloned());
+            materials.extend(kept.into_iter().map(|step| self.mossy[step].clone()));
         }
         let wooded = Holding::new(monitor, parts.iter().map(Part::bytes).sum());
         let organs = self.organs(specimen, body.organs);
@@ -296,7 +307,7 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<(Vec<Part>, Vec<bool>), SurfaceError> {
         let Dressing { tubes, bark, .. } = specimen.dressing;
-        let is_bare = self.mossy.is_empty();
+        let is_bare = self.mossy.is_empty() || self.moss_steps == MossSteps::None;
         let has_dead = has_dead(skeleton);
         if self.thin_barks.is_empty() && is_bare && !has_dead || tubes.junction == Junction::Watertight {
             return Ok((vec![wood], Vec::new()));

@@ -36,6 +36,31 @@ const NOISE: f32 = 0.22;
 /// Waves of the noise, to a metre.
 const WAVES_PER_M: f32 = 2.3;
 
+/// How many mossy parts the wood may have.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum MossSteps {
+    /// One for each step.
+    #[default]
+    All,
+    /// The step with most moss, and whatever is denser: none where these are few triangles.
+    Most,
+    /// Bare bark.
+    None,
+}
+
+impl MossSteps {
+    /// A level of fewer triangles has no moss.
+    const LEAST_TRIANGLES: u64 = 5000;
+
+    /// Of a level of detail within a budget of triangles.
+    pub const fn within(triangles: u64) -> Self {
+        if triangles < Self::LEAST_TRIANGLES { Self::None } else { Self::Most }
+    }
+}
+
+/// A single mossy part has at least this share of the wood's triangles.
+const WORTH_A_PART: f32 = 0.03;
+
 /// The materials of mossy bark, a step each; none without moss.
 pub(crate) fn materials(
     specimen: &Specimen<'_>,
@@ -122,15 +147,46 @@ impl<'a> Mossy<'a> {
         wood.triangles.iter().zip(is_thick).map(step).collect()
     }
 
-    /// Cuts mossy parts out of the trunk's: their materials follow each other from `first` on.
-    pub fn cut(&self, trunk: &Part, is_thick: &[bool], first: usize) -> Vec<Part> {
-        let steps = self.steps(&trunk.mesh, is_thick);
-        let mut parts = wood_parts::cut(trunk, &steps, &NAMES);
+    /// Cuts mossy parts out of the trunk's: their materials follow each other from `first` on. Says which of the
+    /// [`materials`] these are. Of `Most` steps no part is cut out with few of the wood's `all` triangles.
+    pub fn cut(
+        &self,
+        trunk: &Part,
+        is_thick: &[bool],
+        first: usize,
+        (which, all): (MossSteps, usize),
+    ) -> (Vec<Part>, Vec<usize>) {
+        let mut steps = self.steps(&trunk.mesh, is_thick);
+        let mut kept: Vec<usize> = (0..NAMES.len()).collect();
+        if which == MossSteps::Most {
+            let most = most_moss(&trunk.mesh, &steps);
+            steps.iter_mut().for_each(|step| *step = u8::from(usize::from(*step) > most));
+            let triangles = steps.iter().filter(|step| **step > 0).count();
+            kept = vec![most];
+            if (triangles as f32) < WORTH_A_PART * all as f32 {
+                kept.clear();
+                steps.fill(0);
+            }
+        }
+        let names: Vec<&str> = kept.iter().map(|&step| NAMES[step]).collect();
+        let mut parts = wood_parts::cut(trunk, &steps, &names);
         for part in parts.iter_mut().filter(|part| part.material > trunk.material) {
             part.material += first - trunk.material - 1;
         }
-        parts
+        (parts, kept)
     }
+}
+
+/// The index of the step whose triangles bear most moss.
+fn most_moss(wood: &Mesh, steps: &[u8]) -> usize {
+    let mut moss = [0.0_f64; STEPS.len()];
+    for (corners, &step) in wood.triangles.iter().zip(steps) {
+        if let Some(step) = usize::from(step).checked_sub(1) {
+            let [a, b, c] = corners.map(|i| wood.positions[i as usize]);
+            moss[step] += f64::from(STEPS[step] * (b - a).cross(c - a).length());
+        }
+    }
+    (1..moss.len()).fold(0, |most, step| if moss[step] > moss[most] { step } else { most })
 }
 
 /// Bytes that [`Mossy::cut`] takes at most, the parts among them.
@@ -147,7 +203,9 @@ pub(crate) fn bytes(materials: &[Material]) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::Subject;
+    use crate::detail::{Level, levels};
+    use crate::testing::{Subject, body};
+    use linden_base::monitor::Quiet;
     use linden_skeleton::NO_PARENT;
 
     /// Area of what has each step, by step, and the mean normal of what has any.
@@ -193,6 +251,42 @@ mod tests {
             let (_, facing) = mossy(&[("moss", "0.6"), ("moss_side", side)]);
             assert!(facing.dot(toward) > 0.1, "{side}: {facing}");
         }
+    }
+
+    #[test]
+    fn levels_of_detail_have_one_mossy_part_at_most() {
+        let small = [("bark_size", "64"), ("leaf_size", "32"), ("card_size", "128")];
+        let levels_of = |knobs: &[(&str, &str)]| {
+            let subject = Subject::builtin("oak", &[&small[..], knobs].concat());
+            let grown = subject.grow();
+            let levels = subject.with(|specimen| levels(specimen, body(&grown), &Quiet)).unwrap().levels;
+            let mossy = |level: &Level| {
+                let parts = level.scene.parts.iter().filter(|part| part.name.contains("moss"));
+                let materials =
+                    level.scene.materials.iter().filter(|material| material.name.contains("moss"));
+                (parts.count(), materials.count())
+            };
+            let found: Vec<_> = levels.iter().map(mossy).collect();
+            for level in &levels {
+                let wood = level.scene.parts.iter().filter(|part| part.name.starts_with("wood"));
+                let all: usize = wood.clone().map(|part| part.mesh.triangles.len()).sum();
+                let moss = wood.filter(|part| part.name.contains("moss"));
+                assert!(moss.into_iter().all(|part| part.mesh.triangles.len() * 40 > all));
+                // Each material is worn.
+                let is_worn = |i: usize| level.scene.parts.iter().any(|part| part.material == i);
+                let unworn = (0..level.scene.materials.len()).filter(|&i| !is_worn(i));
+                assert!(unworn.into_iter().all(|i| !level.scene.materials[i].name.contains("moss")));
+            }
+            found
+        };
+        let much = [("moss", "0.8"), ("lod_triangles", "20000 10000 4000 1000")];
+        assert_eq!(levels_of(&much), [(1, 1), (1, 1), (0, 0), (0, 0)]);
+        // Little of it is not worth a draw call; the whole tree has all steps.
+        let little = [("moss", "0.02"), ("lod_triangles", "10000 4000")];
+        assert_eq!(levels_of(&little), [(0, 0), (0, 0)]);
+        let whole =
+            levels_of(&[("moss", "0.8"), ("lods", "2"), ("lod_ratio", "0.01"), ("leaf_keep", "0.02")]);
+        assert_eq!(whole[0], (4, 4));
     }
 
     #[test]

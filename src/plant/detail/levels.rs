@@ -10,6 +10,7 @@ use super::forms::in_level;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Calendar, Organs, sprout};
+use crate::moss::MossSteps;
 use crate::scene::Scene;
 use crate::season::Season;
 use crate::settings::{DetailSettings, Dressing, FoliageSettings, Form, LeafKind};
@@ -202,13 +203,22 @@ fn note_on_billboard(detail: &DetailSettings, levels: &[Level]) -> Option<String
     })
 }
 
+/// Triangles that a level was solved for.
+#[derive(Clone, Copy, Debug)]
+struct Budget {
+    triangles: u64,
+    /// By the user; what levels get that are a share of the finest is not.
+    is_asked: bool,
+}
+
 /// A budget is met within this share of it, as the knob `triangles` says.
 const NEAR_BUDGET: f64 = 0.05;
 
 /// Says which budgets were not met. What is more than the whole tree has was made less before, and is said elsewhere.
-fn unmet(budgets: &[Option<u64>], found: impl IntoIterator<Item = usize>) -> Vec<String> {
-    let pairs = budgets.iter().zip(found).filter_map(|(budget, found)| Some(((*budget)?, found as u64)));
-    pairs
+fn unmet(budgets: &[Budget], found: impl IntoIterator<Item = usize>) -> Vec<String> {
+    let asked = budgets.iter().zip(found).filter(|(budget, _)| budget.is_asked);
+    asked
+        .map(|(budget, found)| (budget.triangles, found as u64))
         .filter(|&(budget, found)| budget.abs_diff(found) as f64 > NEAR_BUDGET * budget as f64)
         .map(|(budget, found)| format!("a budget of {budget} triangles was not met: {found} are written"))
         .collect()
@@ -234,8 +244,8 @@ const NO_CARDS: &str = "no level needs them, since enough leaves are left in eac
 struct Plan {
     /// How much each has, finest first; `None`: one with everything.
     details: Option<Vec<Detail>>,
-    /// How many triangles were asked for, for each of these; `None`: for as many as it takes.
-    budgets: Vec<Option<u64>>,
+    /// What each was solved for.
+    budgets: Vec<Budget>,
     /// What is seen past the foliage where there is most: in all seasons the same wood stays.
     exposure: Exposure,
 }
@@ -265,7 +275,7 @@ impl Plan {
         let simplifier = Simplifier::with_exposure(tubes, body, &exposure, monitor)?;
         let foliage = &dressing.foliage;
         let full = simplifier.in_level(foliage, 0, monitor)?.full_triangles(monitor)?;
-        let (mut details, mut asked) = (Vec::new(), Vec::new());
+        let (mut details, mut solved) = (Vec::new(), Vec::new());
         let mut are_cards_missed = false;
         if !budgets.is_empty() {
             let most = budgets.iter().rposition(|&budget| budget >= full).unwrap_or(0);
@@ -281,11 +291,11 @@ impl Plan {
             for (number, &budget) in budgets[most..].iter().enumerate() {
                 let simplifier = simplifier.in_level(foliage, number, monitor)?;
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
-                asked.push(Some(budget.min(full)));
+                solved.push(Budget { triangles: budget.min(full), is_asked: true });
                 are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
                 notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             }
-            return Ok(Self::of((details, asked), exposure, dressing, are_cards_missed, notes));
+            return Ok(Self::of((details, solved), exposure, dressing, are_cards_missed, notes));
         }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -303,18 +313,18 @@ impl Plan {
                 break;
             }
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
-            asked.push((level == 0 && detail.triangles > 0).then_some(budget));
+            solved.push(Budget { triangles: budget, is_asked: level == 0 && detail.triangles > 0 });
             are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
             let number = level as usize;
             notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
-        Ok(Self::of((details, asked), exposure, dressing, are_cards_missed, notes))
+        Ok(Self::of((details, solved), exposure, dressing, are_cards_missed, notes))
     }
 
     /// Levels of these details. Says what is asked for cards where no level has any.
     fn of(
-        (details, budgets): (Vec<Detail>, Vec<Option<u64>>),
+        (details, budgets): (Vec<Detail>, Vec<Budget>),
         exposure: Exposure,
         dressing: &Dressing,
         are_cards_missed: bool,
@@ -396,6 +406,9 @@ impl Plan {
                     if let (Some(cards), true) = (&mut cards, level.card_m > 0.0) {
                         (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
                         carded += 1;
+                    }
+                    if *level != Detail::full(tubes) {
+                        worn = worn.with_moss(MossSteps::within(self.budgets[number].triangles));
                     }
                     let mut scene = dressed(thin, &worn, field.as_ref(), specimen, body, &held)?;
                     if level.card_m > 0.0 {
@@ -509,12 +522,14 @@ mod tests {
 
     #[test]
     fn a_budget_is_met_within_a_twentieth() {
-        assert_eq!(unmet(&[Some(20_000), None], [19_964, 6_700]), Vec::<String>::new());
-        assert_eq!(unmet(&[Some(500)], [525]), Vec::<String>::new());
-        assert_eq!(unmet(&[Some(500)], [640]), ["a budget of 500 triangles was not met: 640 are written"]);
-        assert_eq!(unmet(&[None], [1_200_000]), Vec::<String>::new(), "none was asked for");
+        let asked = |triangles| Budget { triangles, is_asked: true };
+        let shared = |triangles| Budget { triangles, is_asked: false };
+        assert_eq!(unmet(&[asked(20_000), shared(5000)], [19_964, 6_700]), Vec::<String>::new());
+        assert_eq!(unmet(&[asked(500)], [525]), Vec::<String>::new());
+        assert_eq!(unmet(&[asked(500)], [640]), ["a budget of 500 triangles was not met: 640 are written"]);
+        assert_eq!(unmet(&[shared(500_000)], [1_200_000]), Vec::<String>::new(), "none was asked for");
         assert_eq!(
-            unmet(&[Some(4000), Some(1000)], [4000, 1500, 8]),
+            unmet(&[asked(4000), asked(1000)], [4000, 1500, 8]),
             ["a budget of 1000 triangles was not met: 1500 are written"],
             "planes have no budget"
         );

@@ -48,7 +48,8 @@ pub(super) const MOSS_FIELDS: [Field<BarkSettings>; 5] = [
         details(
             "It is densest at the foot, on the side away from the sun (moss_side) and on top of slanting limbs, and \
              thins out in four steps to bare bark: further pictures of the bark with the same normals, so that \
-             every format and engine shows it, and no triangle more. 0.2 to 0.4 suits trees in parks, 0.6 to 0.8 \
+             every format and engine shows it, and no triangle more. Levels of detail have one of these steps, and \
+             none below 5000 triangles. 0.2 to 0.4 suits trees in parks, 0.6 to 0.8 \
              those of damp woods. It grows on the trunk's bark: limbs with a bark of their own (limb_radius) have \
              none. Where a step ends follows the seed, the cushions follow bark_seed."
         ),
