@@ -1,6 +1,11 @@
 //! Trees that sway: what they say about themselves holds in each frame, with leaves and without.
 
 use glam::Vec3;
+use linden::Quiet;
+use linden::dress::levels;
+use linden::grow::grow;
+use linden::preset::builtin;
+use linden::recipe::Recipe;
 use linden::stage::{Place, Plant, Stage};
 use linden_tests::fixtures::{export, export_stage};
 
@@ -74,4 +79,27 @@ fn packed_wind_is_the_wind_within_a_step() {
             assert_eq!((high[1] * 16.0).round(), level);
         }
     }
+}
+
+/// The formula is read out of the document by `swing.py`.
+#[test]
+fn limbs_stay_on_the_stem_in_the_shader_of_the_document() {
+    let dir = exported("clients-wind-shader");
+    for (id, options) in [
+        ("silver-birch", &[][..]),
+        ("scots-pine", &[("wind_as", "packed")]),
+        ("weeping-willow", &[("wind_as", "packed")]),
+    ] {
+        let mut preset = builtin(id).unwrap().load().unwrap();
+        for (knob, value) in
+            [("wind", "attributes"), ("triangles", "10000"), ("bark_size", "64"), ("leaf_size", "128")]
+        {
+            preset.set(knob, value).unwrap();
+        }
+        let recipe = Recipe::new(preset);
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let dressed = levels(&recipe, &grown, &Quiet).unwrap();
+        export(&dressed.levels[0].scene, "glb", options, &dir.join(format!("{id}.glb"))).unwrap();
+    }
+    run("swing.py", &dir);
 }
