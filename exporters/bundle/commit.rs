@@ -92,8 +92,9 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     let mut sides = BTreeMap::new();
     let mut folders = BTreeMap::new();
     let mut stems = BTreeSet::new();
+    let mut stay = BTreeSet::new();
     for bundle in bundles {
-        let is_synced = bundle.is_synced;
+        let (is_synced, spares_same) = (bundle.is_synced, bundle.spares_same);
         let families = bundle.membership.map_or_else(Vec::new, |membership| membership.families);
         let Place::Files(Files { stem, main, sides: side_files, there }) = bundle.place else { continue };
         stems.extend(families.into_iter().chain([stem]));
@@ -102,7 +103,9 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
                 let source = io::Error::other("its writer has not finished");
                 return Err(staged.location.failed("placing", source));
             }
-            if is_synced {
+            if spares_same && is_there(system, staged) {
+                stay.insert(compared(staged.location.path()));
+            } else if is_synced {
                 staged.sync().map_err(|source| staged.location.failed("syncing", source))?;
                 folders.entry(staged.location.folder.clone()).or_insert_with(|| staged.location.clone());
             }
@@ -124,12 +127,21 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     let replaced =
         sides.keys().cloned().chain(mains.iter().map(|main| compared(main.location.path()))).collect();
     ensure_unreferred(system, sides.values(), &stems, &replaced)?;
-    place_all(system, sides.into_values().chain(mains).collect())?;
+    let moves = |staged: &Staged| !stay.contains(&compared(staged.location.path()));
+    place_all(system, sides.into_values().chain(mains).filter(moves).collect())?;
     for (folder, location) in folders {
         let done = again(|| system.open_folder(&folder)).and_then(|open| again(|| system.sync(&open)));
         synced(done).map_err(|source| location.failed("syncing the directory of", source))?;
     }
     Ok(written)
+}
+
+/// Whether a file with these bytes is in its place.
+fn is_there(system: &'static dyn FileSystem, staged: &Staged) -> bool {
+    let path = staged.location.path();
+    let is_like = |meta: std::fs::Metadata| meta.is_file() && meta.len() == staged.bytes;
+    again(|| system.symlink_metadata(&path)).is_ok_and(is_like)
+        && again(|| system.open(&path)).is_ok_and(|there| staged.holds_same_as(system, &there))
 }
 
 fn files_of(bundle: &Bundle) -> Option<&Files> {

@@ -51,6 +51,8 @@ pub struct Bundle {
     system: &'static dyn FileSystem,
     /// Whether files are brought to the disk.
     is_synced: bool,
+    /// Whether files stay that hold the same bytes.
+    spares_same: bool,
     membership: Option<shared::Membership>,
     picture_folder: Option<shared::PictureFolder>,
 }
@@ -133,7 +135,15 @@ impl Bundle {
     }
 
     const fn at(place: Place, system: &'static dyn FileSystem) -> Self {
-        Self { place, notes: Vec::new(), system, is_synced: true, membership: None, picture_folder: None }
+        Self {
+            place,
+            notes: Vec::new(),
+            system,
+            is_synced: true,
+            spares_same: false,
+            membership: None,
+            picture_folder: None,
+        }
     }
 
     /// A bundle of a single file that goes to `out` as it is made; `label` names it in messages:
@@ -190,6 +200,14 @@ impl Bundle {
     #[must_use]
     pub fn unsynced(mut self) -> Self {
         self.is_synced = false;
+        self
+    }
+
+    /// Leaves files alone that hold the same bytes already, main and beside it: they keep their times and are no
+    /// others to programs that have them open.
+    #[must_use]
+    pub fn sparing_same(mut self) -> Self {
+        self.spares_same = true;
         self
     }
 

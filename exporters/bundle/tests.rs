@@ -518,3 +518,31 @@ fn names_of_files_are_found_wherever_they_stand() {
     fs::write(&umlaut, "\"uri\":\"%C3%96_bark.png\"").unwrap();
     assert!(referring::refers(&System, &umlaut, "Ö_bark.png"));
 }
+
+#[test]
+fn files_with_the_same_bytes_stay_where_that_is_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("fir.obj");
+    let write = |mesh: &str, material: &str, spares: bool| {
+        let bundle = Bundle::create(&target).unwrap();
+        let mut bundle = if spares { bundle.sparing_same() } else { bundle };
+        fill(&mut bundle, mesh).unwrap();
+        side(&mut bundle, ".mtl", material);
+        let written: Vec<u64> = bundle.commit().unwrap().iter().map(|file| file.bytes).collect();
+        assert_eq!(written, [mesh.len() as u64, material.len() as u64], "files are listed, written or not");
+        // A time that no write gives.
+        let old = std::time::SystemTime::UNIX_EPOCH;
+        [&target, &dir.path().join("fir.mtl")].map(|path| {
+            let file = fs::File::options().append(true).open(path).unwrap();
+            let is_old = file.metadata().unwrap().modified().unwrap() == old;
+            file.set_modified(old).unwrap();
+            is_old
+        })
+    };
+    assert_eq!(write("mesh", "material", true), [false, false], "there was nothing");
+    assert_eq!(write("mesh", "material", true), [true, true]);
+    assert_eq!(write("mash", "material", true), [false, true], "as long, with other bytes");
+    assert_eq!(write("mash", "longer material", true), [true, false]);
+    assert_eq!(write("mash", "longer material", false), [false, false], "nobody asked for it");
+    assert_eq!(listing(dir.path()), pairs([("fir.mtl", "longer material"), ("fir.obj", "mash")]));
+}

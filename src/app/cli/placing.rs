@@ -24,6 +24,10 @@ pub struct Placing {
     /// can take them
     #[arg(long)]
     no_sync: bool,
+
+    /// Leave a file alone that would be written with the bytes that it has: its time stays, and what watches it does nothing
+    #[arg(long)]
+    if_changed: bool,
 }
 
 impl Placing {
@@ -39,6 +43,7 @@ impl Placing {
     /// A bundle for a target; `-` is standard output.
     pub fn bundle(&self, target: &Path) -> Result<Bundle, ExportError> {
         let bundle = if is_dash(target) { Bundle::stdout() } else { Bundle::create(target)? };
+        let bundle = if self.if_changed { bundle.sparing_same() } else { bundle };
         Ok(if self.no_sync { bundle.unsynced() } else { bundle })
     }
 
