@@ -1,5 +1,7 @@
 //! What a file holds, whatever its format: pieces that are drawn, in levels of detail, with materials and pictures.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use glam::{Affine3A, Vec2, Vec3};
 use serde::Serialize;
 
@@ -229,6 +231,35 @@ impl Asset {
     /// The material of a mesh.
     pub fn material_of(&self, mesh: &Mesh) -> Option<&Material> {
         self.materials.get(mesh.material?)
+    }
+
+    /// How many materials of each name are drawn at most at one level: what levels share has a copy in each file of
+    /// one, and differs in how its pictures are stretched alone.
+    pub fn materials_by_name(&self) -> BTreeMap<&str, usize> {
+        let mut most: BTreeMap<&str, usize> = BTreeMap::new();
+        for level in &self.levels {
+            let used = level.pieces.iter().filter_map(|piece| self.meshes[piece.mesh].material);
+            let used: BTreeSet<usize> = used.collect();
+            let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+            for material in used.into_iter().filter_map(|index| self.materials.get(index)) {
+                *counts.entry(material.name.trim()).or_default() += 1;
+            }
+            for (name, count) in counts {
+                let most = most.entry(name).or_default();
+                *most = count.max(*most);
+            }
+        }
+        most
+    }
+
+    /// Materials that no level draws.
+    pub fn unused_materials(&self) -> impl Iterator<Item = &Material> {
+        let used: BTreeSet<usize> =
+            self.pieces().filter_map(|piece| self.meshes[piece.mesh].material).collect();
+        self.materials
+            .iter()
+            .enumerate()
+            .filter_map(move |(index, material)| (!used.contains(&index)).then_some(material))
     }
 
     /// Whether a mesh is made of flat pieces that pictures cut out: leaves, needles, billboards. They are open and seen

@@ -6,7 +6,7 @@ use std::path::Path;
 use linden::Quiet;
 use linden::dress::levels;
 use linden::stage::Stage;
-use linden_lint::{Beside, Config, lint, read};
+use linden_lint::{Asset, Beside, Config, lint, read};
 use linden_tests::fixtures::export_stage;
 
 use crate::instances::dressed;
@@ -80,4 +80,55 @@ fn binary_usd_of_usd_core_has_the_report_of_the_text() {
 fn without(text: &str, words: &[&str]) -> String {
     let kept = text.lines().filter(|line| !words.iter().any(|word| line.contains(word)));
     kept.collect::<Vec<_>>().join("\n")
+}
+
+#[test]
+fn packed_vertices_are_looked_at_as_plain_ones_are() {
+    let dir = exported("clients-lint-packed");
+    let (recipe, grown, _) = dressed(&[("lods", "2"), ("triangles", "4000")]);
+    let dressed = levels(&recipe, &grown, &Quiet).unwrap();
+    let looked = |name: &str, options: &[(&str, &str)]| {
+        let path = dir.join(name);
+        export_stage(&dressed.stage(), "glb", options, &path).unwrap();
+        read(name, &fs::read(path).unwrap(), &Folder(&dir), &Quiet).unwrap()
+    };
+    for quantize in ["false", "true"] {
+        let quantize = ("quantize", quantize);
+        let plain = looked("plain.glb", &[quantize]);
+        let packed = looked("packed.glb", &[quantize, ("compress", "meshopt")]);
+        assert_eq!((&packed.unseen, packed.meshes.len()), (&plain.unseen, plain.meshes.len()));
+        for (one, other) in plain.meshes.iter().zip(&packed.meshes) {
+            let (one, other) = (one.geometry.as_ref().unwrap(), other.geometry.as_ref().unwrap());
+            assert!(one.positions == other.positions && one.normals == other.normals && one.uvs == other.uvs);
+            // The codec turns triangles.
+            let turned = |triangle: &[u32; 3]| {
+                let [a, b, c] = *triangle;
+                [[a, b, c], [b, c, a], [c, a, b]].into_iter().min()
+            };
+            assert!(one.triangles.iter().map(turned).eq(other.triangles.iter().map(turned)));
+        }
+        let report = |asset| format!("{:?}", lint(asset, &Config::default()).findings);
+        assert_eq!(report(&plain), report(&packed));
+    }
+}
+
+#[test]
+fn levels_in_files_of_their_own_share_their_materials() {
+    let dir = exported("clients-lint-levels");
+    let (recipe, grown, _) = dressed(&[("lods", "3"), ("triangles", "4000")]);
+    let dressed = levels(&recipe, &grown, &Quiet).unwrap();
+    let options = [("lods", "files"), ("quantize", "true"), ("compress", "meshopt")];
+    let file = |level: usize| {
+        let path = dir.join(format!("tree_LOD{level}.glb"));
+        export_stage(&dressed.stage().at_level(level), "glb", &options, &path).unwrap();
+        (level as u32, read("tree.glb", &fs::read(path).unwrap(), &Folder(&dir), &Quiet).unwrap())
+    };
+    let files: Vec<(u32, Asset)> = (0..3).map(file).collect();
+    let names = |asset: &Asset| asset.materials_by_name().into_keys().map(str::to_owned).collect::<Vec<_>>();
+    let all: std::collections::BTreeSet<String> = files.iter().flat_map(|(_, asset)| names(asset)).collect();
+    let whole = Asset::join("tree", files);
+    assert!(whole.materials.len() > all.len(), "pictures are stretched otherwise in each level");
+    assert_eq!(whole.materials_by_name().values().sum::<usize>(), all.len());
+    let report = lint(&whole, &Config::default());
+    assert!(report.findings.iter().all(|finding| finding.rule != "names"), "{:?}", report.findings);
 }

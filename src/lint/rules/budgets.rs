@@ -35,14 +35,11 @@ pub(super) const MATERIALS: Rule = Rule {
     why: "each is a change of state and a set of pictures in memory",
     mend: "share materials; one for bark, one for leaves, one for the billboard",
     severity: Severity::Warn,
-    limits: &[limit("max", 6.0, "materials", "most materials of all levels")],
+    limits: &[limit("max", 6.0, "materials", "most materials of all levels, each name counted once")],
     needs: &[Aspect::Materials],
     check: |asset, limits, found| {
-        let mut used: Vec<usize> =
-            asset.pieces().filter_map(|piece| asset.meshes[piece.mesh].material).collect();
-        used.sort_unstable();
-        used.dedup();
-        over(found, used.len() as u64, limits.of("max"), "materials");
+        let used: usize = asset.materials_by_name().values().sum();
+        over(found, used as u64, limits.of("max"), "materials");
     },
 };
 

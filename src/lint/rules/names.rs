@@ -41,8 +41,11 @@ const GIVEN: [&str; 19] = [
 ];
 
 fn check(asset: &Asset, _: &Limits, found: &mut Findings<'_>) {
-    let materials = asset.materials.iter().map(|material| material.name.as_str());
-    look("material", materials, found);
+    let mut materials = asset.materials_by_name();
+    for unused in asset.unused_materials() {
+        *materials.entry(unused.name.trim()).or_default() += 1;
+    }
+    look("material", &materials, found);
     // A node of several materials is a piece of each.
     let mut nodes: Vec<(&str, usize)> = Vec::new();
     for (level, piece) in
@@ -54,18 +57,18 @@ fn check(asset: &Asset, _: &Limits, found: &mut Findings<'_>) {
         }
     }
     let nodes: std::collections::BTreeSet<&str> = nodes.into_iter().map(|(name, _)| name).collect();
-    look("node", nodes.into_iter(), found);
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in nodes {
+        *counts.entry(name.trim()).or_default() += 1;
+    }
+    look("node", &counts, found);
 }
 
 /// Nodes that are looked at.
 const MOST: usize = 1000;
 
-fn look<'a>(what: &str, names: impl Iterator<Item = &'a str>, found: &mut Findings<'_>) {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for name in names {
-        *counts.entry(name.trim()).or_default() += 1;
-    }
-    for (name, count) in counts {
+fn look(what: &str, counts: &BTreeMap<&str, usize>, found: &mut Findings<'_>) {
+    for (&name, &count) in counts {
         let plain =
             name.trim_end_matches(|c: char| c.is_ascii_digit() || "._- ()".contains(c)).to_lowercase();
         if name.is_empty() {

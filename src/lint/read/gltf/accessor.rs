@@ -1,14 +1,18 @@
 //! Numbers out of buffers. Each length is held against the bytes that are there before anything is reserved.
 
 use glam::{Vec2, Vec3};
+use linden_base::monitor::Monitor;
 
 use super::document::{Accessor, BufferView, Document};
-use super::{ReadError, broken};
+use super::meshopt::{Unpacked, unpack};
+use super::{ADVICE, READING, ReadError, broken};
 
 /// A document with the content of its buffers.
 pub struct Buffers<'a> {
     pub document: &'a Document,
     pub sources: &'a [Option<Vec<u8>>],
+    /// By view: its bytes, where it was in fewer.
+    unpacked: Vec<Option<Vec<u8>>>,
 }
 
 /// Rows of numbers.
@@ -35,6 +39,46 @@ impl Values {
     }
 }
 
+impl<'a> Buffers<'a> {
+    /// With all views unpacked that can be.
+    pub fn new(
+        document: &'a Document,
+        sources: &'a [Option<Vec<u8>>],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ReadError> {
+        let mut unpacked = Vec::with_capacity(document.buffer_views.len());
+        let mut held = 0;
+        for (index, view) in document.buffer_views.iter().enumerate() {
+            monitor.check()?;
+            let extensions = &view.extensions;
+            let Some(packed) = extensions.meshopt.as_ref().or(extensions.khr_meshopt.as_ref()) else {
+                unpacked.push(None);
+                continue;
+            };
+            let problem = || broken(format!("buffer view {index} cannot be unpacked"));
+            let stream = bytes(sources, packed.buffer, packed.byte_offset, packed.byte_length);
+            let stream = stream.ok_or_else(problem)?;
+            // No stream gives more.
+            held += view.byte_length.min(64 * stream.len() as u64);
+            monitor.admit(READING, held, ADVICE)?;
+            unpacked.push(match unpack(packed, stream) {
+                Unpacked::Bytes(bytes) => Some(bytes),
+                Unpacked::Unknown => None,
+                Unpacked::Broken => return Err(problem()),
+            });
+        }
+        Ok(Self { document, sources, unpacked })
+    }
+}
+
+/// A piece of a buffer.
+fn bytes(sources: &[Option<Vec<u8>>], buffer: usize, offset: u64, length: u64) -> Option<&[u8]> {
+    let bytes = sources.get(buffer)?.as_ref()?;
+    let start = usize::try_from(offset).ok()?;
+    let end = start.checked_add(usize::try_from(length).ok()?)?;
+    bytes.get(start..end)
+}
+
 impl Buffers<'_> {
     fn accessor(&self, index: usize) -> Result<&Accessor, ReadError> {
         self.document.accessors.get(index).ok_or_else(|| broken(format!("there is no accessor {index}")))
@@ -53,6 +97,9 @@ impl Buffers<'_> {
         if accessor.sparse.is_some() {
             return Some("a sparse accessor");
         }
+        if self.unpacked.get(accessor.buffer_view?)?.is_some() {
+            return None;
+        }
         let extensions = &self.document.buffer_views.get(accessor.buffer_view?)?.extensions;
         let khronos = extensions.khr_meshopt.as_ref().map(|_| "KHR_meshopt_compression");
         extensions.meshopt.as_ref().map(|_| "EXT_meshopt_compression").or(khronos)
@@ -60,11 +107,11 @@ impl Buffers<'_> {
 
     /// The bytes of a view.
     pub fn view(&self, index: usize) -> Option<&[u8]> {
+        if let Some(unpacked) = self.unpacked.get(index)? {
+            return Some(unpacked);
+        }
         let BufferView { buffer, byte_offset, byte_length, .. } = self.document.buffer_views.get(index)?;
-        let bytes = self.sources.get(*buffer)?.as_ref()?;
-        let start = usize::try_from(*byte_offset).ok()?;
-        let end = start.checked_add(usize::try_from(*byte_length).ok()?)?;
-        bytes.get(start..end)
+        bytes(self.sources, *buffer, *byte_offset, *byte_length)
     }
 
     /// The bytes of an accessor's rows.

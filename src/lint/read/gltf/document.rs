@@ -5,6 +5,8 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
+use super::meshopt::Meshopt;
+
 #[derive(Default, Deserialize)]
 #[serde(default, rename_all = "camelCase")]
 pub struct Document {
@@ -199,9 +201,9 @@ pub struct BufferView {
 #[serde(default)]
 pub struct BufferViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
-    pub meshopt: Option<IgnoredAny>,
+    pub meshopt: Option<Meshopt>,
     #[serde(rename = "KHR_meshopt_compression")]
-    pub khr_meshopt: Option<IgnoredAny>,
+    pub khr_meshopt: Option<Meshopt>,
 }
 
 #[derive(Default, Deserialize)]

@@ -6,6 +6,7 @@
 
 mod accessor;
 mod document;
+mod meshopt;
 mod scene;
 
 use base64::Engine;
@@ -32,7 +33,7 @@ pub(super) fn read(
     let document: Document =
         serde_json::from_slice(json).map_err(|error| broken(format!("its document: {error}")))?;
     let sources = buffers(&document, binary, beside, monitor)?;
-    let buffers = Buffers { document: &document, sources: &sources };
+    let buffers = Buffers::new(&document, &sources, monitor)?;
     textures(asset, &document, &buffers, beside);
     materials(asset, &document);
     // Meshes by the document's, each primitive one of ours.
