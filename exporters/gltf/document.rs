@@ -6,6 +6,7 @@ use linden_pipeline::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
+use super::facts::TreeFacts;
 use super::pivots::PivotExtras;
 
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
@@ -241,6 +242,9 @@ pub(super) struct Extras {
     /// The recipe, letter by letter: a JSON object where it is one, else a string.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden: Option<Box<RawValue>>,
+    /// The tree and its level in plain numbers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_tree: Option<TreeFacts>,
     /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
     #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
     pub screen_coverage: Vec<f32>,
@@ -271,6 +275,7 @@ pub(super) struct Extras {
 impl Extras {
     fn is_empty(&self) -> bool {
         self.linden.is_none()
+            && self.linden_tree.is_none()
             && self.linden_foot_in_file.is_none()
             && self.screen_coverage.is_empty()
             && self.target_names.is_empty()

@@ -12,6 +12,7 @@ mod byte_sink;
 mod collision;
 mod document;
 mod estimate;
+mod facts;
 mod meshopt;
 mod nodes;
 mod options;

@@ -1,7 +1,8 @@
 //! The scene graph: what stands where, in which levels of detail.
 //!
 //! A tree alone has a node and a mesh per part. In a forest a plant is one mesh with a primitive per
-//! part, so that a place is a single node, and nodes of the same plant share its mesh.
+//! part, so that a place is a single node, and nodes of the same plant share its mesh; where its places are instances,
+//! there is a node and a mesh per part again, for primitives have no names.
 
 use glam::Vec3;
 use linden_pipeline::foliage::Placement;
@@ -14,11 +15,13 @@ use super::document::{
     Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, MorphTarget, Node, NodeExtensions,
     Primitive, Skin,
 };
+use super::facts::TreeFacts;
 use super::quantize::{self, Cube};
 use super::{recipe, setting};
 use crate::Options;
 use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 use crate::writing::has_bones;
+use crate::writing::identifier;
 
 /// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
@@ -113,6 +116,7 @@ pub(super) fn nodes(
         name: stage.name.clone(),
         extras: Extras {
             linden: recipe(&stage.recipe),
+            linden_tree: stage.is_single().then(|| of_whole(stage, distinct)).flatten(),
             linden_foot_in_file: crate::recipe::foot_in_file(stage),
             ..Extras::default()
         },
@@ -124,6 +128,7 @@ pub(super) fn nodes(
         layout,
         copies,
         are_siblings,
+        are_instances: !instances.is_empty(),
         binds: &standing.binds,
         bones: bones::of_plants(distinct),
         nodes: vec![root],
@@ -197,6 +202,8 @@ struct Graph<'a> {
     /// By piece, and so by mesh where each has its own.
     copies: &'a [Option<Instancing>],
     are_siblings: bool,
+    /// Trees of a forest have all of their places in one node for each part.
+    are_instances: bool,
     /// By plant: accessors of inverse bind matrices, and the joints.
     binds: &'a [Option<usize>],
     bones: Vec<Option<&'a Bones>>,
@@ -212,7 +219,7 @@ struct Graph<'a> {
 
 impl Graph<'_> {
     fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
-        let is_parted = is_parted(self.stage, self.distinct);
+        let is_parted = self.are_instances || is_parted(self.stage, self.distinct);
         let mut arrays = arrays.iter();
         for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
@@ -232,7 +239,12 @@ impl Graph<'_> {
                 if is_parted {
                     self.meshes.extend(model.parts.iter().zip(primitives).map(
                         |(piece, (primitive, target_names))| Mesh {
-                            name: format!("{}{suffix}", model.full_name(&piece.name)),
+                            name: if self.are_instances {
+                                // Trees of a kind have numbers: `english_oak_2_wood`.
+                                format!("{}_{}{suffix}", identifier(&stage_plant.name), piece.name)
+                            } else {
+                                format!("{}{suffix}", model.full_name(&piece.name))
+                            },
                             primitives: vec![primitive],
                             extras: Extras {
                                 target_names,
@@ -244,11 +256,16 @@ impl Graph<'_> {
                     ));
                 } else {
                     // The forest's recipe is the root's; each tree has its own beside.
-                    let linden = if self.stage.is_single() { None } else { recipe(&model.scene.recipe) };
+                    let is_single = self.stage.is_single();
+                    let linden = if is_single { None } else { recipe(&model.scene.recipe) };
+                    let level = index % levels;
+                    let facts = || TreeFacts::of_level(stage_plant, level, model);
+                    let linden_tree = if is_single { None } else { facts() };
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
                     let extras = Extras {
                         linden,
+                        linden_tree,
                         target_names,
                         linden_pivot_painter: told,
                         linden_wind_cube,
@@ -418,9 +435,20 @@ impl Graph<'_> {
         placed(place, self.cube(place.plant), node)
     }
 
-    /// A tree in many places: the instances put it where it stands.
-    fn instanced(&mut self, _: &Place, model: usize, name: String) -> Node {
-        Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() }
+    /// A tree in many places: the instances of its parts put these where it stands.
+    fn instanced(&mut self, place: &Place, model: usize, name: String) -> Node {
+        let first = self.first_mesh[model];
+        let of_plant = &self.distinct.models[model];
+        let level = (0..self.distinct.levels(place.plant))
+            .find(|&level| self.distinct.model(place.plant, 0, level) == model);
+        let facts = TreeFacts::of_level(&self.stage.plants[place.plant], level.unwrap_or(0), of_plant);
+        let extras =
+            Extras { linden: recipe(&of_plant.scene.recipe), linden_tree: facts, ..Extras::default() };
+        let part =
+            |mesh: usize| Node { name: self.meshes[mesh].name.clone(), mesh: Some(mesh), ..Node::default() };
+        let parts: Vec<Node> = (first..first + of_plant.parts.len()).map(part).collect();
+        let children = parts.into_iter().map(|part| self.push(part)).collect();
+        Node { name, children, extras, ..Node::default() }
     }
 
     /// What a plant's positions are told in, where they are in fewer bits.
@@ -468,6 +496,16 @@ impl Graph<'_> {
 /// below it.
 pub(super) fn is_parted(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> bool {
     stage.is_single() && (!has_bones(stage) || distinct.levels(0) == 1)
+}
+
+/// What is said of a tree that stands alone: of the level that is in the file, or of all.
+fn of_whole(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> Option<TreeFacts> {
+    let (plant, model) = (&stage.plants[0], &distinct.models[distinct.model(0, 0, 0)]);
+    if distinct.levels(0) > 1 {
+        TreeFacts::of_tree(plant, model)
+    } else {
+        TreeFacts::of_level(plant, 0, model)
+    }
 }
 
 /// What the name of a level ends in.

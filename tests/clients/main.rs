@@ -13,6 +13,7 @@ mod crates;
 mod cylinders;
 mod foliage;
 mod instances;
+mod levels;
 mod lint;
 mod mat;
 mod mtg;

@@ -56,6 +56,19 @@ pub struct Plant<'a> {
     pub name: String,
     /// At least one; the first is what is shown where a format holds one only.
     pub seasons: Vec<Season<'a>>,
+    /// Which level it is in, where that is one of several; `None`: those that there are.
+    pub only: Option<OnlyLevel>,
+}
+
+/// Which of a plant's levels of detail a stage has, where it has [one](Stage::at_level).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OnlyLevel {
+    /// 0 is the finest.
+    pub number: usize,
+    /// How many the plant has.
+    pub of: usize,
+    /// The level serves from this share of the picture's height on: where the one before ends; 1 of the finest.
+    pub from: f32,
 }
 
 /// A plant's look in one season. All seasons of a plant have as many levels.
@@ -145,7 +158,7 @@ impl<'a> Plant<'a> {
 
     /// A plant in one season, finest level first.
     pub fn in_levels(name: String, levels: Vec<Level<'a>>) -> Self {
-        Self { name, seasons: vec![Season { name: "summer".to_owned(), levels }] }
+        Self { name, seasons: vec![Season { name: "summer".to_owned(), levels }], only: None }
     }
 
     /// The levels of the first season, finest first.
@@ -231,9 +244,17 @@ impl<'a> Stage<'a> {
     #[must_use]
     pub fn at_level(&self, level: usize) -> Self {
         let mut stage = self.clone();
-        for season in stage.plants.iter_mut().flat_map(|plant| &mut plant.seasons) {
-            let last = season.levels.len().saturating_sub(1);
-            season.levels = season.levels.get(level.min(last)).copied().into_iter().collect();
+        for plant in &mut stage.plants {
+            let levels = plant.levels();
+            if levels.len() > 1 {
+                let number = level.min(levels.len() - 1);
+                let from = number.checked_sub(1).map_or(1.0, |before| levels[before].coverage);
+                plant.only = Some(OnlyLevel { number, of: levels.len(), from });
+            }
+            for season in &mut plant.seasons {
+                let last = season.levels.len().saturating_sub(1);
+                season.levels = season.levels.get(level.min(last)).copied().into_iter().collect();
+            }
         }
         stage
     }
@@ -409,6 +430,10 @@ mod tests {
             std::ptr::eq(stage.at_level(level).plants[0].levels()[0].scene, scene)
         };
         assert!(is(0, &fine) && is(1, &coarse) && is(7, &coarse) && !is(1, &fine));
+        let only = |level: usize| stage.at_level(level).plants[0].only.unwrap();
+        assert_eq!(only(0), OnlyLevel { number: 0, of: 2, from: 1.0 });
+        assert_eq!(only(7), OnlyLevel { number: 1, of: 2, from: 0.5 });
+        assert_eq!((stage.plants[0].only, Stage::of(&fine).at_level(0).plants[0].only), (None, None));
         assert!(stage.at_level(1).is_plain());
     }
 }
