@@ -15,6 +15,17 @@ pub struct Season {
 /// fallen yet.
 pub const SEASONS: [(&str, f64); 4] = [("flush", 0.0), ("summer", 0.35), ("autumn", 0.75), ("bare", 1.0)];
 
+/// The same with other words for three of them: what the knob `season` is called by.
+pub const SEASON_WORDS: [(&str, f64); 7] = [
+    SEASONS[0],
+    SEASONS[1],
+    SEASONS[2],
+    SEASONS[3],
+    ("spring", SEASONS[0].1),
+    ("fall", SEASONS[2].1),
+    ("winter", SEASONS[3].1),
+];
+
 /// Why a list of seasons is none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -24,7 +35,7 @@ pub enum SeasonError {
     Empty,
     /// Neither a known name nor a name with a value.
     #[error(
-        "no season is called '{}'{}; there are: {}; or give a name a value of the knob season, like spring=0.05",
+        "no season is called '{}'{}; there are: {}; or give a name a value of the knob season, like late_spring=0.1",
         excerpt(.name),
         did_you_mean(*.nearest),
         names()
@@ -72,6 +83,7 @@ pub fn is_name(name: &str) -> bool {
 
 fn names() -> String {
     SEASONS.map(|(name, at)| format!("{name} ({at})")).join(", ")
+        + ", and spring, fall, winter for flush, autumn, bare"
 }
 
 impl Season {
@@ -80,7 +92,7 @@ impl Season {
         SEASONS.map(|(name, season)| Self { name: name.to_owned(), season }).to_vec()
     }
 
-    /// Reads a list like `summer,autumn`, `spring=0.05,summer` or `all,bloom=0.15`.
+    /// Reads a list like `summer,autumn`, `spring=0.05,summer` or `all,bloom=0.15`. Those of other words have these names.
     ///
     /// # Errors
     /// [`SeasonError`].
@@ -100,9 +112,9 @@ impl Season {
 
     fn parse(item: &str) -> Result<Self, SeasonError> {
         let Some((name, value)) = item.split_once('=') else {
-            let known = SEASONS.into_iter().find(|(name, _)| *name == item);
+            let known = SEASON_WORDS.into_iter().find(|(name, _)| *name == item);
             let Some((name, season)) = known else {
-                let nearest = nearest(&item.to_lowercase(), SEASONS.map(|(name, _)| name));
+                let nearest = nearest(&item.to_lowercase(), SEASON_WORDS.map(|(name, _)| name));
                 return Err(SeasonError::Unknown { name: item.to_owned(), nearest });
             };
             return Ok(Self { name: name.to_owned(), season });
@@ -135,6 +147,11 @@ mod tests {
             Season::parse_list("spring=0.05,late_2=.9").unwrap(),
             [season("spring", 0.05), season("late_2", 0.9)]
         );
+        assert_eq!(
+            Season::parse_list("spring,fall,winter").unwrap(),
+            [season("spring", 0.0), season("fall", 0.75), season("winter", 1.0)]
+        );
+        assert_eq!(SEASON_WORDS[..SEASONS.len()], SEASONS);
         let all = SEASONS.map(|(name, _)| name).join(",");
         assert_eq!(Season::parse_list(&all).unwrap(), Season::all());
         let more = Season::parse_list("all,bloom=0.15").unwrap();
@@ -149,7 +166,7 @@ mod tests {
             ("", "no season is named"),
             (" , ", "no season is named"),
             ("atumn", "did you mean 'autumn'"),
-            ("0.5", "like spring=0.05"),
+            ("0.5", "like late_spring=0.1"),
             ("summer,summer", "summer is named twice"),
             ("summer,summer=0.4", "summer is named twice"),
             ("late=1.5", "'1.5' is not 0 to 1"),

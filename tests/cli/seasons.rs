@@ -179,3 +179,25 @@ fn levels_and_seasons_share_their_pictures() {
 fn has_ending(name: &str, ending: &str) -> bool {
     std::path::Path::new(name).extension().is_some_and(|found| found == ending)
 }
+
+#[test]
+fn spring_fall_and_winter_are_other_words() {
+    let folder = Folder::new();
+    let small = ["--set", "points=60", "--set", "bark_size=32", "--set", "leaf_size=32"];
+    folder
+        .run(
+            &[&["export", "dressed-simple", "--seasons", "spring,fall,winter", "-o", "t.obj"][..], &small]
+                .concat(),
+        )
+        .done();
+    let wood_alone = |name: &str| wood_and_leaves(&folder, name).1 == 0;
+    assert_eq!(["t_spring.obj", "t_fall.obj", "t_winter.obj"].map(wood_alone), [false, false, true]);
+    let ply = |season: &str, name: &str| {
+        let set = format!("season={season}");
+        folder.run(&[&["export", "dressed-simple", "--set", &set, "-o", name][..], &small].concat()).done();
+        folder.read(name)
+    };
+    for (word, other) in [("spring", "flush"), ("fall", "autumn"), ("winter", "bare")] {
+        assert!(ply(word, "a.ply") == ply(other, "b.ply"), "{word}");
+    }
+}

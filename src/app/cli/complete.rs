@@ -13,7 +13,7 @@ use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::{Kind, Knob};
 use linden::lsystem::Grammar;
 use linden::preset::{KNOBS, LSystem, PresetKnob, Section, builtin, builtins};
-use linden::season::SEASONS;
+use linden::season::SEASON_WORDS;
 use linden_exporters::{PROFILES, REGISTRY};
 
 use crate::config::dirs::Dirs;
@@ -91,7 +91,7 @@ pub fn values_of_option(option: &'static str) -> ArgValueCandidates {
 
 /// Seasons, and all of them.
 pub fn seasons() -> ArgValueCandidates {
-    words(|| SEASONS.iter().map(|(name, _)| (*name).to_owned()).chain(["all".to_owned()]).collect())
+    words(|| SEASON_WORDS.iter().map(|(name, _)| (*name).to_owned()).chain(["all".to_owned()]).collect())
 }
 
 /// Groups of presets.

@@ -7,7 +7,7 @@ use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, re
 use super::bloom::BLOOM_KNOBS;
 use super::foliage::{Arrangement, Edge, FoliageSettings, Form, LeafKind, Normals};
 use super::lod::LOD_KNOBS;
-use crate::season::SEASONS;
+use crate::season::SEASON_WORDS;
 use crate::texture::leaf::Outline;
 use linden_skeleton::organs::OrganClass;
 
@@ -511,7 +511,7 @@ impl FoliageSettings {
     pub const FIELDS: &[Field<Self>] = &[
         field!(
             "season",
-            Kind::Real { min: 0.0, max: 1.0, auto: false, names: &SEASONS },
+            Kind::Real { min: 0.0, max: 1.0, auto: false, names: &SEASON_WORDS },
             "",
             "0 flush: small and light; 0.35 summer; 0.55 to 0.8 autumn colours; leaves fall from 0.75 on; 1 bare",
             season,
