@@ -528,3 +528,27 @@ fn the_box_of_a_scene_is_that_of_its_plants() {
     assert_eq!(numbers.len(), 6, "{hint}");
     assert!(numbers.iter().all(|metres| metres.abs() < 30.0) && numbers[4] > 2.0, "{hint}");
 }
+
+#[test]
+fn a_table_says_where_each_tree_stands() {
+    let folder = Folder::new();
+    let line = ["forest", "oak", "silver-birch", "--area", "40", "--table", "wood.csv"];
+    let document = glb(&exported(&folder, &line));
+    let table = String::from_utf8(folder.read("wood.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = table.lines().map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows[0], ["x", "y", "z", "turn", "scale", "source", "name", "mesh"]);
+    let stand = trees(&document);
+    assert_eq!(rows.len() - 1, stand.len());
+    for (row, (mesh, at)) in rows[1..].iter().zip(stand) {
+        let number = |column: usize| row[column].parse::<f64>().unwrap();
+        for (column, at) in at.into_iter().enumerate() {
+            assert!((number(column) - at).abs() < 1e-5, "{row:?}");
+        }
+        assert_eq!(document["meshes"][mesh as usize]["name"], row[6]);
+        assert_eq!(number(7), mesh as f64);
+        assert!(
+            ["oak", "silver-birch"].contains(&row[5]) && number(4) > 0.5 && number(3).abs() <= 360.0,
+            "{row:?}"
+        );
+    }
+}

@@ -42,6 +42,10 @@ pub struct Forest {
     #[command(flatten)]
     outputs: Outputs,
 
+    /// A table of where each tree stands too, CSV: x, y, z, turn, scale, source, name, mesh; what 'linden batch --places' reads
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+
     #[command(flatten)]
     scene: SceneFlags,
 }
@@ -104,8 +108,8 @@ impl Forest {
         }
         check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
-        let written =
-            Written { outputs: &self.outputs, of_formats: &of_formats, command, scene: &self.scene };
+        let (outputs, table) = (&self.outputs, self.table.as_deref());
+        let written = Written { outputs, of_formats: &of_formats, command, scene: &self.scene, table };
         written.write(&forest, sources, &turned, &progress)
     }
 
@@ -157,6 +161,8 @@ pub(super) struct Written<'a> {
     pub command: String,
     /// What stands around.
     pub scene: &'a SceneFlags,
+    /// Where a table of places goes.
+    pub table: Option<&'a Path>,
 }
 
 impl Written<'_> {
@@ -183,6 +189,7 @@ impl Written<'_> {
         let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
         announce(outlook.export_s(&batch.formats()), &outlook.amount());
         let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();
+        let kinds: Vec<String> = plan.trees.iter().map(|tree| tree.recipe.preset.id.clone()).collect();
         let grown = GrownForest::grow(forest, plan, progress, &mut |tree| {
             super::notes(&tree.said().collect::<Vec<_>>(), progress);
         })?;
@@ -190,8 +197,37 @@ impl Written<'_> {
         let stage = self.scene.around(stage, progress)?;
         let holding = Holding::new(progress, inputs);
         write(&mut batch, &stage, &holding, progress)?;
-        finish(batch, progress)
+        finish(batch, progress)?;
+        match self.table {
+            Some(path) => {
+                let text = table(&grown, &kinds);
+                linden_exporters::write_file(path, text.as_bytes(), 0o666, true)
+                    .with_context(|| format!("writing {}", crate::paths::show(path)))
+            }
+            None => Ok(()),
+        }
     }
+}
+
+/// Where each tree of a forest stands; `kinds` are the sources of its distinct trees.
+fn table(grown: &GrownForest, kinds: &[String]) -> String {
+    let quoted = |text: &str| {
+        if text.contains([',', '"', '\n']) {
+            format!("\"{}\"", text.replace('"', "\"\""))
+        } else {
+            text.to_owned()
+        }
+    };
+    let mut text = "x,y,z,turn,scale,source,name,mesh\n".to_owned();
+    for place in &grown.places {
+        let [x, y, z] = place.position.to_array();
+        let turn = f64::from(place.turn_rad).to_degrees();
+        let (kind, name) = (&kinds[place.plant], &grown.trees[place.plant].name);
+        let scale = place.scale;
+        let (source, name, mesh) = (quoted(kind), quoted(name), place.plant);
+        text.push_str(&format!("{x},{y},{z},{turn:.4},{scale},{source},{name},{mesh}\n"));
+    }
+    text
 }
 
 /// The forest that a file describes, once its notes are printed.
