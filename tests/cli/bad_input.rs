@@ -516,3 +516,13 @@ fn a_mesh_in_the_wrong_place_is_told_the_right_one() {
     let both = crown("crown = \"dome\"\nenvelope = \"hull.obj\"");
     refused_file("a.toml", both, &["a.toml:4:1", "'crown' and 'envelope'", "keep one"]);
 }
+
+#[test]
+fn levels_run_from_the_finest_to_the_coarsest() {
+    refused_usage(
+        &["export", "fir", "-o", "x.glb", "--lods", "4000,10000"],
+        &["10000 triangles follow 4000"],
+    );
+    refused_usage(&["export", "fir", "-o", "x.glb", "--lods", "abc"], &["lods"]);
+    refused_usage(&["export", "fir", "-o", "x.glb", "--lods", "abc,1"], &["lod_triangles"]);
+}

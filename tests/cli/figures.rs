@@ -152,3 +152,19 @@ fn triangles_are_told_where_some_number_of_them_is_asked_for() {
         "{told}"
     );
 }
+
+#[test]
+fn files_are_listed_for_programs_and_stay_where_nothing_changes() {
+    let folder = Folder::new();
+    let args = ["export", "simple", "--set", "bark_size=32", "--if-changed", "--json", "-o", "a.obj"];
+    let times = || {
+        let found = folder.run(&args).done().json();
+        let files =
+            found["files"].as_array().unwrap().iter().map(|file| file["path"].as_str().unwrap().to_owned());
+        let time = |path: String| (std::fs::metadata(folder.file(&path)).unwrap().modified().unwrap(), path);
+        files.map(time).collect::<Vec<_>>()
+    };
+    let first = times();
+    assert!(first.len() >= 3, "{first:?}");
+    assert_eq!(times(), first);
+}

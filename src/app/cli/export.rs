@@ -72,13 +72,15 @@ pub struct Export {
     #[arg(long)]
     timings: bool,
 
-    /// With --timings: on standard output, machine-readable, in place of the list of files
-    #[arg(long, requires = "timings")]
+    /// The files, and what each step took, on standard output, machine-readable, in place of the list of files
+    #[arg(long)]
     json: bool,
 }
 
 impl Export {
-    pub fn run(self) -> anyhow::Result<()> {
+    pub fn run(mut self) -> anyhow::Result<()> {
+        // They are in it.
+        self.timings |= self.json;
         let progress = Progress::new();
         let mut timings = Timings::new();
         let (settings, of_formats): (Vec<(String, String)>, Vec<_>) =
@@ -95,7 +97,7 @@ impl Export {
         };
         if !self.further.is_empty() {
             if self.timings {
-                return Err(usage("--timings is for one source: export each by itself"));
+                return Err(usage("--timings and --json are for one source: export each by itself"));
             }
             self.growing.without_defines("export each by itself")?;
             self.growing.without_edits("export each by itself")?;
@@ -113,7 +115,7 @@ impl Export {
             let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
             let command = format!("linden export {} -o wood.glb", named.join(" "));
             let (outputs, scene) = (&self.outputs, &self.scene);
-            let written = Written { outputs, of_formats: &of_formats, command, scene };
+            let written = Written { outputs, of_formats: &of_formats, command, scene, table: None };
             return side_by_side(&sources, &settings, written, &progress);
         }
         let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
@@ -134,7 +136,7 @@ impl Export {
             None => Vec::new(),
         };
         if self.timings && !ages.is_empty() {
-            return Err(usage("--timings is for one age: turn it with --set age=0.5"));
+            return Err(usage("--timings and --json are for one age: turn it with --set age=0.5"));
         }
         let seasons = self.distinct(
             seasons,
@@ -209,7 +211,7 @@ impl Export {
         if self.timings || self.seasons.is_some() || self.ages.is_some() {
             let knob = trees.knob;
             return Err(usage(format!(
-                "--timings, --seasons and --ages are for one tree: say which with --set {knob}=N"
+                "--timings, --json, --seasons and --ages are for one tree: say which with --set {knob}=N"
             )));
         }
         self.outputs.with_usual(USUAL_FORMAT);

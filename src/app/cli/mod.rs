@@ -210,7 +210,7 @@ impl Budget {
 struct Looks {
     /// So many levels of detail, the same tree with fewer triangles each time, or a budget of triangles
     /// for each, like 50000,15000,4000; the same as --set lods=N or --set `lod_triangles=LIST`
-    #[arg(long, value_name = "N|LIST")]
+    #[arg(long, value_name = "N|LIST", value_parser = lods_falling)]
     lods: Option<String>,
 
     /// Triangles of a level / triangles of the one before (the knob `lod_ratio`)
@@ -339,6 +339,18 @@ fn idle(preset: &Preset, pairs: &[(String, String)]) -> Vec<String> {
 fn lods(text: &str) -> (String, String) {
     let name = if text.contains([',', ' ']) { "lod_triangles" } else { "lods" };
     (name.to_owned(), text.to_owned())
+}
+
+/// A list of triangles for `--lods` runs from the finest level to the coarsest. Whether it is one at all is the knob's business.
+fn lods_falling(text: &str) -> Result<String, String> {
+    let budgets: Vec<f64> = text.split([',', ' ']).filter_map(|number| number.trim().parse().ok()).collect();
+    match budgets.windows(2).find(|two| two[1] >= two[0]) {
+        Some(two) => Err(format!(
+            "{} triangles follow {}; list the levels from the finest to the coarsest",
+            two[1], two[0]
+        )),
+        None => Ok(text.to_owned()),
+    }
 }
 
 /// Whether a name is that of an option of a format, `glb.instances`, and no knob, as `blossom.leaf_keep` is one.
