@@ -160,7 +160,9 @@ impl<'a> Mossy<'a> {
         let mut kept: Vec<usize> = (0..NAMES.len()).collect();
         if which == MossSteps::Most {
             let most = most_moss(&trunk.mesh, &steps);
-            steps.iter_mut().for_each(|step| *step = u8::from(usize::from(*step) > most));
+            for step in &mut steps {
+                *step = u8::from(usize::from(*step) > most);
+            }
             let triangles = steps.iter().filter(|step| **step > 0).count();
             kept = vec![most];
             if (triangles as f32) < WORTH_A_PART * all as f32 {

@@ -50,8 +50,7 @@ fn outlines(mesh: &Mesh, height_m: f32) -> Vec<Vec<Vec2>> {
 /// Corners where an outline turns: cuts through a side's two triangles lie in a line.
 fn sides(outline: &[Vec2]) -> usize {
     let at = |i: usize| outline[i % outline.len()];
-    let apart: Vec<Vec2> =
-        (0..outline.len()).filter(|&i| at(i).distance(at(i + 1)) > 1e-4).map(|i| at(i)).collect();
+    let apart: Vec<Vec2> = (0..outline.len()).filter(|&i| at(i).distance(at(i + 1)) > 1e-4).map(at).collect();
     let at = |i: usize| apart[i % apart.len()];
     let turns = |i: usize| (at(i + 1) - at(i)).angle_to(at(i + 2) - at(i + 1)).abs() > 0.08;
     (0..apart.len()).filter(|&i| turns(i)).count()
