@@ -283,12 +283,30 @@ mod tests {
         };
         let much = [("moss", "0.8"), ("lod_triangles", "20000 10000 4000 1000")];
         assert_eq!(levels_of(&much), [(1, 1), (1, 1), (0, 0), (0, 0)]);
-        // Little of it is not worth a draw call; the whole tree has all steps.
-        let little = [("moss", "0.02"), ("lod_triangles", "10000 4000")];
-        assert_eq!(levels_of(&little), [(0, 0), (0, 0)]);
+        // The whole tree has all steps.
         let whole =
-            levels_of(&[("moss", "0.8"), ("lods", "2"), ("lod_ratio", "0.01"), ("leaf_keep", "0.02")]);
+            levels_of(&[("moss", "0.8"), ("lods", "2"), ("lod_ratio", "0.05"), ("leaf_keep", "0.02")]);
         assert_eq!(whole[0], (4, 4));
+    }
+
+    #[test]
+    fn a_few_triangles_are_not_worth_a_draw_call() {
+        let knobs = [("points", "400"), ("bark_size", "64"), ("leaf_size", "32")];
+        let bare = Subject::builtin("drawn-oak", &[&knobs[..], &[("moss", "0")]].concat());
+        let grown = bare.grow();
+        let trunk = &bare.dress(&grown).parts[0];
+        let wood = trunk.mesh.triangles.len();
+        Subject::builtin("drawn-oak", &[&knobs[..], &[("moss", "0.4")]].concat()).with(|specimen| {
+            let mossy = Mossy::on(specimen, 0.0, grown.skeleton.foot_radius_m());
+            let cut = |all| mossy.cut(trunk, &vec![true; wood], 1, (MossSteps::Most, all));
+            let (parts, kept) = cut(wood);
+            assert_eq!((parts.len(), kept.len()), (2, 1));
+            assert_eq!(parts[1].name, format!("wood_{}", NAMES[kept[0]]));
+            // The same moss where all wood is forty times as much.
+            let (parts, kept) = cut(40 * wood);
+            assert_eq!((parts.len(), kept.len()), (1, 0));
+            assert_eq!(parts[0].mesh.triangles, trunk.mesh.triangles);
+        });
     }
 
     #[test]

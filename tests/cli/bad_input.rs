@@ -349,7 +349,8 @@ fn budgets_levels_and_seasons_that_cannot_be() {
     simple(&["--lods", "99"], 2, &["'lods'", "1 to 8"]);
     simple(&["--lods", "many"], 2, &["'many'", "'lods'"]);
     simple(&["--lods", "900,many"], 2, &["'900,many'", "'lod_triangles'"]);
-    simple(&["--lods", "900,900"], 1, &["lod_triangles: 900 triangles follow 900"]);
+    simple(&["--lods", "900,900"], 2, &["'900,900'", "900 triangles follow 900"]);
+    simple(&["--set", "lod_triangles=900 900"], 1, &["lod_triangles: 900 triangles follow 900"]);
     simple(&["--lods", "3", "--lod-ratio", "7"], 2, &["'lod_ratio'", "0.05 to 0.9"]);
     simple(&["--billboard", "9"], 2, &["'billboard'", "0 to 4"]);
     simple(&["--wind", "storm"], 2, &["'wind'", "sway"]);
