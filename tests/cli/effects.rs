@@ -244,7 +244,9 @@ fn seasons_have_names_wherever_the_knob_is() {
     assert!(said.out.contains("season = 1.0"), "{}", said.out);
     let said = folder.run(&["show", "dressed-simple", "--set", "season=sumer"]);
     assert!(
-        said.err.contains("0 to 1, or flush | summer | autumn | bare | spring | fall | winter (did you mean 'summer'?)"),
+        said.err.contains(
+            "0 to 1, or flush | summer | autumn | bare | spring | fall | winter (did you mean 'summer'?)"
+        ),
         "{}",
         said.err
     );

@@ -1,8 +1,10 @@
 //! Bark: a height field, its colours and its normals.
 //!
 //! The height is composed of plates, ridges or layers, bent by slow noise, and grain. Colour follows
-//! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come.
+//! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come. Light that varies over
+//! much of a picture is evened out, or repeats would be seen from afar.
 
+mod even;
 mod lenticels;
 mod moss;
 mod styles;
@@ -14,6 +16,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use self::even::even;
 use self::lenticels::Lenticels;
 pub use self::moss::Moss;
 use self::surface::{Spot, Surface};
@@ -162,6 +165,7 @@ impl Bark {
             }
             Ok::<_, Cancelled>(())
         })?;
+        even(&mut spots, n);
         let relief = if self.relief.is_finite() { self.relief.clamp(0.0, 0.5) } else { 0.0 };
         let base_color = colors(&spots, n, self.color);
         monitor.check()?;
