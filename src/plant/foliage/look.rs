@@ -84,7 +84,8 @@ pub fn cover(
         });
     }
     let season = specimen.dressing.foliage.season as f32;
-    let look = look(kind, season, size_px).from_shade_to_sun();
+    let needle_scale = specimen.dressing.foliage.needle_scale;
+    let look = LeafLook { needle_scale, ..look(kind, season, size_px) }.from_shade_to_sun();
     if kind.form == Form::Mesh {
         // No outline has usual colours for it: it has those that were asked for.
         let autumn_colors = if kind.autumn_colors.is_some() { look.autumn_colors } else { Vec::new() };
@@ -114,6 +115,13 @@ fn translucency(kind: &LeafKind) -> Option<Translucency> {
 pub(super) fn shade(kind: &LeafKind) -> f32 {
     let usual = if matches!(kind.outline, Outline::Blossom | Outline::Fruit) { 0.0 } else { USUAL_SHADE };
     kind.shade.map_or(usual, |shade| shade as f32)
+}
+
+/// How wide a kind's needles are, as a share of what stands at one place; `None`: it has none, or none that are drawn.
+pub(crate) fn needle_width(kind: &LeafKind) -> Option<f32> {
+    let is_drawn = kind.picture.is_none() && !matches!(kind.form, Form::None | Form::Mesh);
+    let width = look(kind, SUMMER, 1).needle_width().filter(|_| is_drawn)?;
+    Some(if kind.form == Form::Twig { width * (kind.length_m / card_m(kind)) as f32 } else { width })
 }
 
 /// What a kind's leaves look like in a season, in a picture of a size.

@@ -38,6 +38,7 @@ pub use linden_skeleton::organs::{
     Hanging, LeafShape, MAX_CORNERS, OrganClass, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons,
     Prototype, prototype,
 };
+pub(crate) use look::needle_width;
 pub use look::{Cover, RIM, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
 pub(crate) use opaque::opaque_shares;

@@ -312,6 +312,8 @@ pub struct FoliageSettings {
     pub season: f64,
     /// The side of the drawn pictures, pixels.
     pub size_px: u32,
+    /// How many times wider and fewer needles are in these; 1: as they are. No key: branch cards set it for their pictures.
+    pub needle_scale: f32,
     /// The number that pictures are drawn by.
     pub picture_seed: u64,
     /// What stands in the section itself.
@@ -322,7 +324,14 @@ pub struct FoliageSettings {
 
 impl Default for FoliageSettings {
     fn default() -> Self {
-        Self { season: 0.35, size_px: 1024, picture_seed: 1, first: LeafKind::default(), also: Vec::new() }
+        Self {
+            season: 0.35,
+            size_px: 1024,
+            needle_scale: 1.0,
+            picture_seed: 1,
+            first: LeafKind::default(),
+            also: Vec::new(),
+        }
     }
 }
 

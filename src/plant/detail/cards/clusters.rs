@@ -75,6 +75,12 @@ impl Mass {
         self.sum / self.weight
     }
 
+    /// The root of the mean square distance from its middle, metres.
+    pub fn radius_m(&self) -> f64 {
+        let spread = self.covariance();
+        (spread.x_axis.x + spread.y_axis.y + spread.z_axis.z).max(1e-12).sqrt()
+    }
+
     /// How it is spread about its middle, square metres.
     pub fn covariance(&self) -> DMat3 {
         self.squares * (1.0 / self.weight) - outer(self.middle())

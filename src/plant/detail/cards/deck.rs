@@ -25,11 +25,27 @@ const LEAST_WITH_TOP: usize = 6;
 /// Rounds of moving groups to their means.
 const ROUNDS: usize = 8;
 
+/// What stands for a piece.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::detail) struct Card {
+    /// An index into [`Deck::prototypes`].
+    pub prototype: u8,
+    /// Whether its left is the piece's right.
+    pub is_mirrored: bool,
+}
+
+impl Card {
+    /// Its number among shapes of which each prototype has as many, the second in a mirror.
+    pub fn shape(self, faces: usize) -> usize {
+        faces * usize::from(self.prototype) + usize::from(self.is_mirrored)
+    }
+}
+
 /// Pieces, and which of them stands for each.
 pub(in crate::detail) struct Deck {
     pub frames: Vec<Frame>,
-    /// By piece, an index into `prototypes`.
-    pub card_of: Vec<u8>,
+    /// By piece.
+    pub card_of: Vec<Card>,
     /// Pieces.
     pub prototypes: Vec<u32>,
 }
@@ -38,14 +54,14 @@ pub(in crate::detail) struct Deck {
 type Look = [f32; LOOK];
 
 impl Deck {
-    /// Chooses up to `most` prototypes, such that each piece is much like its own: k-means over where foliage is (Lloyd
+    /// Chooses up to `most` prototypes, such that each piece is much like its own, or where it may, like that in a mirror: k-means over where foliage is (Lloyd
     /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean. The top of a tree with
     /// one leader, which is seen against the sky, stands for itself.
     pub fn new(
         pieces: &Pieces,
         skeleton: &Skeleton,
         organs: &Organs,
-        most: usize,
+        (most, may_mirror): (usize, bool),
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
         let Pieces { cut, is_thin, forms } = pieces;
@@ -64,14 +80,14 @@ impl Deck {
         let top = (most >= LEAST_WITH_TOP && count > most).then(|| leader(cut, skeleton)).flatten();
         let groups = (most - usize::from(top.is_some())).clamp(1, usize::from(u8::MAX) - 1).min(count);
         let mut means: Vec<Look> = (0..groups).map(|i| looks[(2 * i + 1) * count / (2 * groups)]).collect();
-        let mut group_of = vec![0; count];
+        let mut group_of = vec![(0, false); count];
         for _ in 0..ROUNDS {
             monitor.check()?;
-            group_of = looks.par_iter().map(|look| nearest(look, &means)).collect();
+            group_of = looks.par_iter().map(|look| nearest(look, &means, may_mirror)).collect();
             let mut sums = vec![([0.0_f32; LOOK], 0.0_f32); groups];
-            for (look, &group) in looks.iter().zip(&group_of) {
+            for (look, &(group, is_mirrored)) in looks.iter().zip(&group_of) {
                 let (sum, count) = &mut sums[group];
-                sum.iter_mut().zip(look).for_each(|(sum, value)| *sum += value);
+                sum.iter_mut().zip(turned(look, is_mirrored)).for_each(|(sum, value)| *sum += value);
                 *count += 1.0;
             }
             for (mean, (sum, count)) in means.iter_mut().zip(sums) {
@@ -81,23 +97,28 @@ impl Deck {
             }
         }
         let mut best: Vec<Option<(f32, u32)>> = vec![None; groups];
-        for (piece, (look, &group)) in looks.iter().zip(&group_of).enumerate() {
-            let away = distance(look, &means[group]);
+        for (piece, (look, &(group, is_mirrored))) in looks.iter().zip(&group_of).enumerate() {
+            let away = distance(&turned(look, is_mirrored), &means[group]);
             if best[group].is_none_or(|(least, _)| away < least) {
                 best[group] = Some((away, piece as u32));
             }
         }
-        let mut number = vec![0; groups];
+        let mut number = vec![(0, false); groups];
         let mut prototypes = Vec::with_capacity(groups);
         for (group, found) in best.into_iter().enumerate() {
             if let Some((_, piece)) = found {
-                number[group] = prototypes.len() as u8;
+                number[group] = (prototypes.len() as u8, group_of[piece as usize].1);
                 prototypes.push(piece);
             }
         }
-        let mut card_of: Vec<u8> = group_of.into_iter().map(|group| number[group]).collect();
-        if let Some(top) = top.filter(|&top| prototypes[usize::from(card_of[top as usize])] != top) {
-            card_of[top as usize] = prototypes.len() as u8;
+        let card = |(group, is_mirrored): (usize, bool)| {
+            let (prototype, as_drawn) = number[group];
+            Card { prototype, is_mirrored: is_mirrored != as_drawn }
+        };
+        let mut card_of: Vec<Card> = group_of.into_iter().map(card).collect();
+        if let Some(top) = top.filter(|&top| prototypes[usize::from(card_of[top as usize].prototype)] != top)
+        {
+            card_of[top as usize] = Card { prototype: prototypes.len() as u8, is_mirrored: false };
             prototypes.push(top);
         }
         Ok(Self { frames, card_of, prototypes })
@@ -123,9 +144,31 @@ fn distance(a: &Look, b: &Look) -> f32 {
     squares.element_sum()
 }
 
-fn nearest(look: &Look, means: &[Look]) -> usize {
-    let away = |&i: &usize| distance(look, &means[i]);
-    (0..means.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
+/// The nearest mean, and whether that is the nearest to the look in a mirror.
+fn nearest(look: &Look, means: &[Look], may_mirror: bool) -> (usize, bool) {
+    let of = |look: &Look| {
+        let away = means.iter().map(|mean| distance(look, mean)).enumerate();
+        away.min_by(|(_, a), (_, b)| a.total_cmp(b)).unwrap_or((0, f32::INFINITY))
+    };
+    let (group, away) = of(look);
+    let (other, mirrored) = if may_mirror { of(&turned(look, true)) } else { (0, f32::INFINITY) };
+    if mirrored < away { (other, true) } else { (group, false) }
+}
+
+/// A look as it is, or with left and right changed.
+fn turned(look: &Look, is_mirrored: bool) -> Look {
+    if !is_mirrored {
+        return *look;
+    }
+    let mut turned = *look;
+    // The planes in which columns go from left to right: see `looks`.
+    for plane in [0, 2] {
+        for row in turned[plane * GRID * GRID..][..GRID * GRID].chunks_exact_mut(GRID) {
+            row.reverse();
+        }
+    }
+    turned[CELLS] = -turned[CELLS];
+    turned
 }
 
 /// The share of each piece's foliage in each square of the grids, and its mean direction.
@@ -159,4 +202,33 @@ fn splat(grid: &mut [f32], at: Vec2, weight: f32) {
     grid[cell + 1] += s * (1.0 - t) * weight;
     grid[cell + GRID] += (1.0 - s) * t * weight;
     grid[cell + GRID + 1] += s * t * weight;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_piece_and_its_image_in_a_mirror_are_told_apart_and_share_a_card() {
+        // Foliage at one place and what points to one side.
+        let mut look = [0.0; LOOK];
+        for (plane, at) in
+            [Vec2::new(0.9, 0.4), Vec2::new(0.4, -0.3), Vec2::new(0.9, -0.3)].into_iter().enumerate()
+        {
+            splat(&mut look[plane * GRID * GRID..], at, 1.0);
+        }
+        look[CELLS] = 0.2;
+        let mut image = [0.0; LOOK];
+        for (plane, at) in
+            [Vec2::new(-0.9, 0.4), Vec2::new(0.4, -0.3), Vec2::new(-0.9, -0.3)].into_iter().enumerate()
+        {
+            splat(&mut image[plane * GRID * GRID..], at, 1.0);
+        }
+        image[CELLS] = -0.2;
+        assert!(distance(&turned(&look, true), &image) < 1e-6 && distance(&look, &image) > 0.5);
+        let means = [[0.0; LOOK], look];
+        assert_eq!(nearest(&look, &means, true), (1, false));
+        assert_eq!(nearest(&image, &means, true), (1, true));
+        assert_eq!(nearest(&image, &means, false), (0, false));
+    }
 }

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::clusters::Cut;
 use super::frame::Frame;
+use super::grain::Grain;
 use super::{PLANES, Pieces};
 use crate::detail::DetailError;
 use crate::detail::drawing::{
@@ -32,6 +33,8 @@ const RELIEF: f32 = 0.4;
 const THICKEST: f32 = 0.07;
 /// The same of a tree without leaves, whose cards show nothing else.
 const THICKEST_BARE: f32 = 0.3;
+/// Pixels that a twig is wide, at the least, from edge to edge; a prism of four sides is seen as wide as 0.7 of that.
+const TWIG_PX: f32 = 1.6;
 /// Cells that are drawn before they are laid: for any number of cores that machines have, and few enough not to be
 /// much memory.
 const CELLS_AT_ONCE: usize = 16;
@@ -73,6 +76,8 @@ const SEEN: [Plane; 3] = [
 #[derive(Debug)]
 struct Sight {
     model: usize,
+    /// See [`Grain::share`].
+    share: f32,
     plane: Plane,
     low: Vec2,
     high: Vec2,
@@ -88,6 +93,8 @@ impl Sight {
 struct Model {
     /// Each with its material.
     parts: Vec<(usize, Mesh)>,
+    /// Thicker wood than this is not shown, radius in metres.
+    thickest_m: f32,
     /// How much of the light that is lost within it is drawn as lost.
     shade_share: f32,
 }
@@ -101,7 +108,7 @@ pub(super) fn draw<'a>(
     specimen: &Specimen<'_>,
     body: Body<'_>,
     wardrobe: &Wardrobe,
-    size_px: u32,
+    (size_px, grain): (u32, Grain),
     monitor: &dyn Monitor,
 ) -> Result<DrawnCards, DetailError> {
     let mut materials = vec![Material {
@@ -111,8 +118,12 @@ pub(super) fn draw<'a>(
         ..wardrobe.twig_bark().clone()
     }];
     let models: Vec<(&Pieces, u32, &Frame)> = models.collect();
-    let (drawn, sights) = built(&models, specimen, body, wardrobe, &mut materials, monitor)?;
+    let (mut drawn, sights) = built(&models, specimen, body, wardrobe, (&mut materials, grain), monitor)?;
     let sheet = Sheet::new(&sights, size_px);
+    // Twigs alone would be denser than they are.
+    if !body.organs.is_empty() {
+        thicken(&mut drawn, &models, &sights, sheet.scale, body.skeleton);
+    }
     let size = Pixels::new(size_px, size_px);
     // Of the cells that are drawn at once, samples and what becomes of them.
     let mut largest: Vec<usize> = sights.iter().map(|sight| sheet.pixels(sight).area()).collect();
@@ -127,7 +138,7 @@ pub(super) fn draw<'a>(
         sheet.cells.iter().map(|first| Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX)).collect();
     let mut meshes = vec![Mesh::default(); drawn.len()];
     for (sight, corner) in sights.iter().zip(&corners) {
-        add_plane(&mut meshes[sight.model], sight, *corner, sheet.scale, size_px);
+        add_plane(&mut meshes[sight.model], sight, *corner, sheet.scale * sight.share, size_px);
     }
     let decided_by = || decided_by(&drawn, &sights, &materials, size_px);
     // Mostly of leaves, where there are any.
@@ -146,7 +157,7 @@ pub(super) fn draw<'a>(
                 relief: RELIEF,
                 cuts_whole: false,
                 corner: Vec2::new(sight.low.x, sight.high.y),
-                scale: sheet.scale * SAMPLES as f32,
+                scale: sheet.scale * sight.share * SAMPLES as f32,
                 first: Pixels::new(0, 0),
                 size: inner,
             };
@@ -199,11 +210,11 @@ fn built(
     specimen: &Specimen<'_>,
     body: Body<'_>,
     wardrobe: &Wardrobe,
-    materials: &mut Vec<Material>,
+    (materials, grain): (&mut Vec<Material>, Grain),
     monitor: &dyn Monitor,
 ) -> Result<(Vec<Model>, Vec<Sight>), DetailError> {
     let (mut drawn, mut sights) = (Vec::new(), Vec::new());
-    for level in models.chunk_by(|(a, ..), (b, ..)| std::ptr::eq(*a, *b)) {
+    for (number, level) in models.chunk_by(|(a, ..), (b, ..)| std::ptr::eq(*a, *b)).enumerate() {
         let mut build = |scale: f32| {
             let build = |&(level, piece, frame): &(&Pieces, u32, &Frame)| {
                 monitor.check()?;
@@ -219,7 +230,8 @@ fn built(
             built = build(scale)?;
         }
         for (model, (.., frame)) in built.into_iter().zip(level) {
-            sights.extend(seen(drawn.len(), &model, frame));
+            let share = grain.share(number);
+            sights.extend(seen(drawn.len(), &model, frame).into_iter().map(|sight| Sight { share, ..sight }));
             drawn.push(model);
         }
     }
@@ -283,7 +295,8 @@ fn model(
     };
     let organs = Arc::new(selected(body.organs, is_in, |_| scale));
     let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
-    let mut parts = vec![(WOOD, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
+    let thickest_m = frame.radius_m * thickest;
+    let mut parts = vec![(WOOD, wood(body.skeleton, piece, [0.0, thickest_m], level))];
     let (found, foliage) =
         wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
     for part in foliage {
@@ -296,18 +309,44 @@ fn model(
         parts.push((at, part.mesh));
     }
     for (_, mesh) in &mut parts {
-        for position in &mut mesh.positions {
-            *position = frame.local(*position);
-        }
-        for normal in &mut mesh.normals {
-            *normal = frame.turned(*normal);
-        }
+        to_frame(mesh, frame);
     }
-    Ok(Model { parts, shade_share: shade_share(level.cut.pieces.len(), super::is_mostly_dome(&organs)) })
+    let shade_share = shade_share(level.cut.pieces.len(), super::is_mostly_dome(&organs));
+    Ok(Model { parts, thickest_m, shade_share })
 }
 
-/// Thin wood as prisms without ends.
-fn wood(skeleton: &Skeleton, piece: u32, thickest_m: f32, level: &Pieces) -> Mesh {
+/// Makes thin wood as wide as its pixels ask for: in less than one it would be a row of dots.
+fn thicken(
+    drawn: &mut [Model],
+    models: &[(&Pieces, u32, &Frame)],
+    sights: &[Sight],
+    scale: f32,
+    skeleton: &Skeleton,
+) {
+    for sight in sights.iter().step_by(PLANES) {
+        let (level, piece, frame) = models[sight.model];
+        let model = &mut drawn[sight.model];
+        let thinnest_m = TWIG_PX / 2.0 * frame.radius_m / (scale * sight.share);
+        let mut mesh = wood(skeleton, piece, [thinnest_m, model.thickest_m], level);
+        to_frame(&mut mesh, frame);
+        if let Some((_, wood)) = model.parts.first_mut() {
+            *wood = mesh;
+        }
+    }
+}
+
+/// A mesh as a piece has it.
+fn to_frame(mesh: &mut Mesh, frame: &Frame) {
+    for position in &mut mesh.positions {
+        *position = frame.local(*position);
+    }
+    for normal in &mut mesh.normals {
+        *normal = frame.turned(*normal);
+    }
+}
+
+/// Thin wood as prisms without ends, no thinner than the first radius and without what is thicker than the other.
+fn wood(skeleton: &Skeleton, piece: u32, [thinnest_m, thickest_m]: [f32; 2], level: &Pieces) -> Mesh {
     let mut mesh = Mesh::default();
     for (node, _) in level.cut.piece_of.iter().enumerate().filter(|(_, of)| **of == piece) {
         let parent = skeleton.parents[node];
@@ -319,6 +358,7 @@ fn wood(skeleton: &Skeleton, piece: u32, thickest_m: f32, level: &Pieces) -> Mes
         let (u, v) = along.any_orthonormal_pair();
         // A lateral begins as thick as it goes on.
         let radii = [skeleton.radii[parent as usize].min(skeleton.radii[node] * 1.5), skeleton.radii[node]];
+        let radii = radii.map(|radius_m| radius_m.max(thinnest_m));
         let first = mesh.positions.len() as u32;
         for (at, radius) in [from, to].into_iter().zip(radii) {
             for side in 0..SIDES {
@@ -386,7 +426,8 @@ fn seen(model: usize, of: &Model, frame: &Frame) -> Vec<Sight> {
             let places = of.parts.iter().flat_map(|(_, mesh)| &mesh.positions);
             let flat = places.map(|at| Vec3::new(at.dot(plane.right), at.dot(plane.up), 0.0));
             let bounds = Bounds::of(flat).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
-            let sight = Sight { model, plane, low: bounds.min.truncate(), high: bounds.max.truncate() };
+            let sight =
+                Sight { model, share: 1.0, plane, low: bounds.min.truncate(), high: bounds.max.truncate() };
             let rise = world(plane.toward).y.abs();
             // The mean of |n·d| over level directions, and a little for those from above.
             let visible = std::f32::consts::FRAC_2_PI * (1.0 - rise * rise).max(0.0).sqrt() + 0.3 * rise;
@@ -425,7 +466,8 @@ impl Sheet {
     fn new(sights: &[Sight], size_px: u32) -> Self {
         const STEPS: u32 = 20;
         let mut order: Vec<usize> = (0..sights.len()).collect();
-        order.sort_by(|&a, &b| sights[b].size().y.total_cmp(&sights[a].size().y).then(a.cmp(&b)));
+        let tall = |at: usize| sights[at].size().y * sights[at].share;
+        order.sort_by(|&a, &b| tall(b).total_cmp(&tall(a)).then(a.cmp(&b)));
         let (mut low, mut high) = (0.0, size_px as f32);
         let mut best = Self { scale: 1e-3, cells: vec![Pixels::new(0, 0); sights.len()] };
         for _ in 0..STEPS {
@@ -445,7 +487,7 @@ impl Sheet {
 
 /// A cell with its margins.
 fn pixels(sight: &Sight, scale: f32) -> Pixels {
-    let size = (sight.size() * scale).ceil();
+    let size = (sight.size() * (scale * sight.share)).ceil();
     Pixels::new(size.x as u32 + 2 * MARGIN_PX, size.y as u32 + 2 * MARGIN_PX)
 }
 
@@ -489,7 +531,7 @@ mod tests {
             }
             mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
         }
-        (Model { parts: vec![(WOOD, Mesh::default()), (1, mesh)], shade_share: 0.0 }, frame)
+        (Model { parts: vec![(WOOD, Mesh::default()), (1, mesh)], thickest_m: 0.0, shade_share: 0.0 }, frame)
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod clusters;
 mod deck;
 mod draw;
 mod frame;
+mod grain;
 #[cfg(test)]
 mod tests;
 
@@ -29,6 +30,7 @@ use linden_skeleton::organs::{LeafShape, OrganOrigins, Organs, PROTOTYPES, Place
 pub(super) use clusters::{Burden, Cut};
 
 use deck::Deck;
+use grain::Grain;
 
 /// Planes of a card.
 const PLANES: usize = 2;
@@ -99,6 +101,15 @@ pub(super) struct Pieces {
     pub forms: LevelForms,
 }
 
+impl Pieces {
+    /// The mean radius of its pieces, metres; `None` of none.
+    fn radius_m(&self) -> Option<f32> {
+        let pieces = &self.cut.pieces;
+        let sum: f64 = pieces.iter().map(|(_, mass)| mass.radius_m()).sum();
+        (!pieces.is_empty()).then(|| (sum / pieces.len() as f64) as f32)
+    }
+}
+
 /// Branch cards of some levels.
 pub(super) struct Cards {
     cover: Cover,
@@ -124,16 +135,31 @@ impl Cards {
         let is_beside = levels.iter().any(|level| !level.forms.are_all_on_cards());
         let before = PROTOTYPES.len() + if is_beside { body.organs.shapes.len() } else { 0 };
         let room = usize::from(u8::MAX).saturating_sub(before) / levels.len().max(1);
-        let mut most = MOST_CARDS.min(room);
+        let grain = Grain::of(levels, specimen, body.organs, size_px);
+        let room = room / grain.faces();
+        let mut most = grain.cards;
         let mut decks = Vec::with_capacity(levels.len());
         for level in levels {
-            decks.push(Deck::new(level, body.skeleton, body.organs, most, monitor)?);
-            most = (most * 2 / 3).max(FEWEST_CARDS.min(room));
+            decks.push(Deck::new(
+                level,
+                body.skeleton,
+                body.organs,
+                (most.min(room), grain.is_fine),
+                monitor,
+            )?);
+            most = grain::next(most);
         }
+        let coarse = grain.dressing(specimen.dressing);
+        let drawn_in = coarse.as_ref().map(|dressing| specimen.with(dressing));
+        let redrawn = drawn_in
+            .as_ref()
+            .map(|drawn_in| wardrobe.in_season(drawn_in, body.organs, monitor))
+            .transpose()?;
+        let wardrobe = redrawn.as_ref().unwrap_or(wardrobe);
         let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
             deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
         });
-        let drawn = draw::draw(models, specimen, body, wardrobe, size_px, monitor)?;
+        let drawn = draw::draw(models, specimen, body, wardrobe, (size_px, grain), monitor)?;
         let (color, is_dome) = (drawn.color(), is_mostly_dome(body.organs));
         let shape = |mesh: Mesh| LeafShape {
             kind: 0,
@@ -144,12 +170,16 @@ impl Cards {
             faces: 1,
             lods: Vec::new(),
         };
-        let shapes: Arc<[LeafShape]> = drawn.meshes.into_iter().map(shape).collect();
+        let both = drawn.meshes.into_iter().flat_map(|mesh| {
+            let mirrored = grain.is_fine.then(|| mirrored(&mesh));
+            std::iter::once(mesh).chain(mirrored)
+        });
+        let shapes: Arc<[LeafShape]> = both.map(shape).collect();
         let mut first = PROTOTYPES.len();
         let mut organs = Vec::with_capacity(levels.len());
         for (level, deck) in levels.iter().zip(decks) {
-            organs.push(placed(level, &deck, first));
-            first += deck.prototypes.len();
+            organs.push(placed(level, &deck, first, grain.faces()));
+            first += grain.faces() * deck.prototypes.len();
         }
         Ok(Self { cover: drawn.cover, shapes, levels: organs })
     }
@@ -183,12 +213,23 @@ fn is_mostly_dome(organs: &Organs) -> bool {
     dome_m2.sum::<f64>() >= 0.0
 }
 
+/// The same card with its left and right changed, seen from the same sides.
+fn mirrored(card: &Mesh) -> Mesh {
+    let flip = |v: &Vec3| Vec3::new(-v.x, v.y, v.z);
+    Mesh {
+        positions: card.positions.iter().map(flip).collect(),
+        normals: card.normals.iter().map(flip).collect(),
+        uvs: card.uvs.clone(),
+        triangles: card.triangles.iter().map(|&[a, b, c]| [a, c, b]).collect(),
+    }
+}
+
 /// A card for each piece.
-fn placed(level: &Pieces, deck: &Deck, first: usize) -> PlacedOrgans {
+fn placed(level: &Pieces, deck: &Deck, first: usize, faces: usize) -> PlacedOrgans {
     let nodes: Vec<u32> = level.cut.pieces.iter().map(|(node, _)| *node).collect();
     let frames = || deck.frames.iter();
     PlacedOrgans {
-        prototypes: deck.card_of.iter().map(|&card| first as u8 + card).collect(),
+        prototypes: deck.card_of.iter().map(|card| (first + card.shape(faces)) as u8).collect(),
         positions: frames().map(|frame| frame.middle).collect(),
         headings: frames().map(|frame| frame.heading).collect(),
         ups: frames().map(|frame| frame.up).collect(),

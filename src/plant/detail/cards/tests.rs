@@ -68,7 +68,7 @@ fn what_hangs_is_shown_hanging() {
     let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
     let detail = simplifier.within(5000, true, &Quiet).unwrap();
     let pieces = simplifier.pieces(&detail, &Quiet).unwrap();
-    let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, MOST_CARDS, &Quiet).unwrap();
+    let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, (MOST_CARDS, true), &Quiet).unwrap();
     // Which way the leaves of each piece point, in sum.
     let mut sums = vec![Vec3::ZERO; pieces.cut.pieces.len()];
     let placed = &grown.organs.placed;
@@ -80,9 +80,13 @@ fn what_hangs_is_shown_hanging() {
     let (mut off, mut hanging) = (0, 0);
     for (piece, sum) in sums.iter().enumerate().filter(|(_, sum)| sum.normalize().y < -0.9) {
         // What its card shows of the piece that stands for it, as it hangs here.
-        let model = deck.prototypes[usize::from(deck.card_of[piece])] as usize;
+        let card = deck.card_of[piece];
+        let model = deck.prototypes[usize::from(card.prototype)] as usize;
         let (here, there) = (&deck.frames[piece], &deck.frames[model]);
-        let local = there.turned(sums[model].normalize());
+        let mut local = there.turned(sums[model].normalize());
+        if card.is_mirrored {
+            local.x = -local.x;
+        }
         let shown = here.side() * local.x + here.heading * local.y + here.up * local.z;
         hanging += 1;
         off += usize::from(shown.dot(sum.normalize()) < 0.7);
@@ -97,14 +101,14 @@ fn the_top_of_a_tree_with_a_leader_is_shown_as_it_is() {
         let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
         let detail = simplifier.within(5000, true, &Quiet).unwrap();
         let pieces = simplifier.pieces(&detail, &Quiet).unwrap();
-        let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, 12, &Quiet).unwrap();
+        let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, (12, true), &Quiet).unwrap();
         assert!(pieces.cut.pieces.len() > 100 && deck.prototypes.len() <= 12, "{id}");
         // Where the highest leaf is.
         let placed = &grown.organs.placed;
         let highest =
             (0..placed.len()).max_by(|&a, &b| placed.positions[a].y.total_cmp(&placed.positions[b].y));
         let top = pieces.cut.piece_of[placed.growth.nodes[highest.unwrap()] as usize];
-        let model = deck.prototypes[usize::from(deck.card_of[top as usize])];
+        let model = deck.prototypes[usize::from(deck.card_of[top as usize].prototype)];
         assert_eq!(model == top, has_leader, "{id}");
     }
 }
@@ -287,4 +291,33 @@ fn cards_show_twigs_in_seasons_without_leaves() {
     };
     assert!(!wood(0).is_empty());
     assert_eq!(wood(0), wood(1));
+}
+
+/// The length of the outlines in a picture, pixels: edges of pixels along both axes are 4/π of it in the mean.
+fn outline_px(alpha: &[bool], side: usize) -> f64 {
+    let rows = alpha.chunks_exact(side);
+    let across: usize =
+        rows.clone().map(|row| row.windows(2).filter(|pair| pair[0] != pair[1]).count()).sum();
+    let down: usize =
+        rows.clone().zip(rows.skip(1)).map(|(a, b)| a.iter().zip(b).filter(|(a, b)| a != b).count()).sum();
+    std::f64::consts::FRAC_PI_4 * (across + down) as f64
+}
+
+#[test]
+fn sprays_of_needles_have_few_large_cards_with_ragged_outlines() {
+    let (subject, grown) = subject("scots-pine", &[("triangles", "10000")]);
+    let levels = dressed(&subject, &grown);
+    let scene = &levels[0].scene;
+    let material = scene.materials.iter().find(|material| material.name == "branches").unwrap();
+    let picture = material.base_color_picture.clone().unwrap();
+    let side = picture.width() as usize;
+    let part = scene.parts.iter().find(|part| part.name == "branches").unwrap();
+    let pixel = |uv: Vec2| [(uv.x * side as f32).round() as i32, (uv.y * side as f32).round() as i32];
+    let corners = part.mesh.uvs.chunks(4).map(|corners| [pixel(corners[0]), pixel(corners[2])]);
+    let cells: std::collections::BTreeSet<_> = corners.collect();
+    assert!((24..=34).contains(&cells.len()), "{} cells", cells.len());
+    let alpha: Vec<bool> = picture.rgba().as_chunks::<4>().0.iter().map(|pixel| pixel[3] >= 128).collect();
+    let of_cell = outline_px(&alpha, side) / cells.len() as f64;
+    // 64 cells of blots had 870 each.
+    assert!(of_cell > 1700.0, "{of_cell} pixels of outline to a cell");
 }

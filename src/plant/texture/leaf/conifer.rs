@@ -2,11 +2,41 @@
 
 use glam::{Vec2, Vec3};
 
-use super::LeafLook;
 use super::figure::{Figure, Piece, Skin, heading};
 use super::tint::Tint;
+use super::{LeafLook, Outline};
 use linden_base::color::linear;
 use linden_base::random::Key;
+
+/// Half the width of the needles that an outline is made of, as a share of its length; `None`: it has none. Scales are no
+/// needles: a spray is its twigs.
+pub(super) fn needle_radius(look: &LeafLook) -> Option<f32> {
+    let radius = match look.outline {
+        Outline::Needle => look.width.clamp(0.004, 1.0) / 2.0,
+        Outline::Pine => look.width.clamp(0.004, 0.2) / 4.0,
+        Outline::Spruce => (look.width.clamp(0.01, 0.5) * SPRUCE_NEEDLE / 2.0).max(0.002),
+        Outline::Larch => (look.width.clamp(0.01, 0.5) * larch_needle(look) / 2.0).max(0.0018),
+        _ => return None,
+    };
+    Some(radius * look.needle_scale)
+}
+
+/// How many needles there are in place of `count`, as wide as they are.
+fn fewer(look: &LeafLook, count: u32) -> u32 {
+    ((count as f32 / look.needle_scale) as u32).max(1)
+}
+
+/// A needle of a spruce's shoot, as a share of the shoot.
+const SPRUCE_NEEDLE: f32 = 0.17;
+
+/// A needle of a larch's shoot, the same.
+fn larch_needle(look: &LeafLook) -> f32 {
+    (0.9 / larch_tufts(look) as f32 * 1.55).clamp(0.08, 0.3)
+}
+
+fn larch_tufts(look: &LeafLook) -> u32 {
+    look.lobes.clamp(1, 60)
+}
 
 /// The skin of one needle: each catches the light in its own way.
 fn skin(tint: &Tint, key: Key) -> Skin {
@@ -27,6 +57,28 @@ fn skin(tint: &Tint, key: Key) -> Skin {
         place: Vec2::new(key.named("u").unit() as f32, key.named("v").unit() as f32),
         ..Skin::default()
     }
+}
+
+/// How much of the light is left at the foot of wide needles of a tuft, which the others hide.
+const FOOT_LIGHT: f32 = 0.5;
+/// The shortest and the longest of them, in those of true ones: a ragged outline is left of them from afar.
+const RAGGED: [f32; 2] = [0.6, 1.15];
+
+/// The skin of a needle in a tuft. Where they are drawn wider than they are, they get darker towards the shoot, as thin
+/// ones look that lie over each other.
+fn tuft_skin(look: &LeafLook, tint: &Tint, key: Key) -> Skin {
+    let skin = skin(tint, key);
+    if look.needle_scale > 1.0 {
+        Skin { foot: skin.color * FOOT_LIGHT, foot_reach: 1.0, ..skin }
+    } else {
+        skin
+    }
+}
+
+/// How long a needle of a tuft is, in the longest of true ones, which are `least` at the least.
+fn tuft_length(look: &LeafLook, least: f64, key: Key) -> f32 {
+    let [low, high] = if look.needle_scale > 1.0 { RAGGED.map(f64::from) } else { [least, 1.0] };
+    key.named("long").between(low, high) as f32
 }
 
 /// Bark of young shoots.
@@ -50,14 +102,15 @@ fn blade(foot: Vec2, along: Vec2, radius: f32, bow: f32, skin: Skin) -> Piece {
 }
 
 pub(super) fn needle(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let radius = look.width.clamp(0.004, 1.0) / 2.0;
+    let radius = needle_radius(look).unwrap_or_default();
     let bow = key.named("bow").between(-0.04, 0.04) as f32;
     Figure { pieces: vec![blade(Vec2::ZERO, Vec2::Y, radius, bow, skin(tint, key))], ..Figure::default() }
 }
 
 /// The end of a shoot with needles in pairs that spread to all sides.
 pub(super) fn pine(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (pairs, radius) = ((look.lobes / 2).clamp(1, 400), look.width.clamp(0.004, 0.2) / 4.0);
+    let pairs = fewer(look, (look.lobes / 2).clamp(1, 400));
+    let radius = needle_radius(look).unwrap_or_default();
     let top = 0.5;
     let mut figure = Figure::default();
     figure.pieces.push(Piece::stroke(
@@ -75,12 +128,12 @@ pub(super) fn pine(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         let open = (1.12 - 0.62 * t * t) * key.named("open").between(0.8, 1.12) as f32;
         let out = heading(open);
         let seen = Vec2::new(out.x * sine, out.y + 0.10 * cosine.abs());
-        let long = 0.50 * key.named("long").between(0.85, 1.0) as f32;
+        let long = 0.50 * tuft_length(look, 0.85, key);
         for (name, part) in [("first", -1.0), ("second", 1.0)] {
             let needle_key = key.named(name);
             let along = seen.rotate(Vec2::from_angle(part * needle_key.between(0.03, 0.11) as f32)) * long;
             let bow = part * needle_key.named("bow").between(0.0, 0.05) as f32;
-            figure.pieces.push(blade(at, along, radius, bow, skin(tint, needle_key)));
+            figure.pieces.push(blade(at, along, radius, bow, tuft_skin(look, tint, needle_key)));
         }
     }
     let bud = Skin { color: Vec3::from(linear([146, 92, 58])), ..shoot(key, [146, 92, 58]) };
@@ -90,9 +143,9 @@ pub(super) fn pine(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 
 /// A shoot with short needles: those of its sides, then those above it.
 pub(super) fn spruce(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let count = look.lobes.clamp(1, 1000);
-    let long = 0.17_f32;
-    let radius = (look.width.clamp(0.01, 0.5) * long / 2.0).max(0.002);
+    let count = fewer(look, look.lobes.clamp(1, 1000));
+    let long = SPRUCE_NEEDLE;
+    let radius = needle_radius(look).unwrap_or_default();
     let top = 0.88;
     let mut figure = Figure::default();
     let upper = count / 3;
@@ -134,9 +187,9 @@ pub(super) fn spruce(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 /// A shoot with rosettes of soft needles on short shoots.
 pub(super) fn larch(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     const NEEDLES: u32 = 30;
-    let tufts = look.lobes.clamp(1, 60);
-    let long = (0.9 / tufts as f32 * 1.55).clamp(0.08, 0.3);
-    let radius = (look.width.clamp(0.01, 0.5) * long / 2.0).max(0.0018);
+    let (tufts, needles) = (larch_tufts(look), fewer(look, NEEDLES));
+    let long = larch_needle(look);
+    let radius = needle_radius(look).unwrap_or_default();
     let top = 1.0 - long * 0.75;
     let mut figure = Figure::default();
     let wiggle = |t: f32| 0.012 * libm::sinf(t * 9.0 + key.named("wiggle").unit() as f32 * 6.0);
@@ -154,13 +207,13 @@ pub(super) fn larch(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         figure.pieces.push(Piece::ball(at, 0.012, shoot(key, [112, 84, 58])));
         // A rosette seen askew: an ellipse of needles around a direction.
         let lean = if is_last { 0.0 } else { sign * key.named("lean").between(0.5, 1.0) as f32 };
-        for needle in 0..NEEDLES {
+        for needle in 0..needles {
             let key = key.child(u64::from(needle));
             let spread = key.named("spread").between(-1.0, 1.0) as f32;
             let angle = lean + spread * 1.75;
-            let size = long * key.named("long").between(0.72, 1.0) as f32 * (1.0 - 0.18 * spread * spread);
+            let size = long * tuft_length(look, 0.72, key) * (1.0 - 0.18 * spread * spread);
             let bow = spread * 0.06;
-            figure.pieces.push(blade(at, heading(angle) * size, radius, bow, skin(tint, key)));
+            figure.pieces.push(blade(at, heading(angle) * size, radius, bow, tuft_skin(look, tint, key)));
         }
     }
     figure

@@ -105,6 +105,9 @@ pub struct LeafLook {
     pub shade: f32,
     /// 0 flush, 0.35 summer, 0.75 autumn, 1 withered.
     pub season: f32,
+    /// Needles are this many times wider and fewer, 1 to [`LeafLook::MOST_NEEDLE_SCALE`]: for pictures that are seen in
+    /// few pixels, in which the true ones would run into a blot.
+    pub needle_scale: f32,
     /// How many different leaves: 1 to [`LeafLook::MAX_VARIANTS`].
     pub variants: u32,
     /// The picture's side, pixels: 1 to [`LeafLook::MAX_SIZE_PX`].
@@ -245,6 +248,8 @@ impl LeafLook {
     pub const MOST_LOBES: u32 = 400;
     /// The most rows of petals; more are as many.
     pub const MOST_PETAL_ROWS: u32 = 8;
+    /// The most that needles may be wider; more is as much.
+    pub const MOST_NEEDLE_SCALE: f32 = 8.0;
     /// The most teeth along one side; more are as many.
     pub const MOST_TEETH: u32 = 100;
 
@@ -275,6 +280,7 @@ impl LeafLook {
             color_spread: 0.5,
             shade: 0.0,
             season: 0.35,
+            needle_scale: 1.0,
             variants: 4,
             size_px: 1024,
         }
@@ -288,6 +294,12 @@ impl LeafLook {
             self.colors.sort_by(|a, b| light(a).total_cmp(&light(b)));
         }
         self
+    }
+
+    /// How wide its needles are, as a share of its whole length; `None`: it has none.
+    pub(crate) fn needle_width(&self) -> Option<f32> {
+        let look = self.bounded();
+        conifer::needle_radius(&look).map(|radius| 2.0 * radius)
     }
 
     /// Draws an atlas of single leaves.
@@ -372,6 +384,7 @@ impl LeafLook {
             ripeness: self.ripeness.map(|ripeness| within(ripeness, 0.0, 1e3, 1.0)),
             turning: self.turning.map(|season| within(season, 0.0, 1.0, 0.54)),
             petal_rows: self.petal_rows.clamp(1, Self::MOST_PETAL_ROWS),
+            needle_scale: within(self.needle_scale, 1.0, Self::MOST_NEEDLE_SCALE, 1.0),
             ..self.clone()
         }
     }

@@ -273,3 +273,32 @@ fn a_cancelled_monitor_stops_the_work() {
     }
     assert_eq!(small(Outline::Fern).draw(key(), &Stop), Err(LeafError::Cancelled(Cancelled)));
 }
+
+/// By Cauchy and Crofton: the mean width of strokes is twice their area by the length of their outlines.
+#[test]
+fn wider_needles_are_fewer_and_cover_as_much() {
+    for outline in [Outline::Pine, Outline::Spruce, Outline::Larch] {
+        let measured = |needle_scale: f32| {
+            let look = LeafLook { size_px: 512, variants: 1, needle_scale, ..LeafLook::new(outline) };
+            let pictures = look.draw(key(), &Quiet).unwrap();
+            let is_covered = |x: usize, y: usize| alpha(&pictures, x, y) >= 128;
+            let places = || (0..512).flat_map(|y| (0..512).map(move |x| (x, y)));
+            let area = places().filter(|&(x, y)| is_covered(x, y)).count() as f64;
+            let edges = places().map(|(x, y)| {
+                let beside = x + 1 < 512 && is_covered(x, y) != is_covered(x + 1, y);
+                let below = y + 1 < 512 && is_covered(x, y) != is_covered(x, y + 1);
+                usize::from(beside) + usize::from(below)
+            });
+            let outlines = std::f64::consts::FRAC_PI_4 * edges.sum::<usize>() as f64;
+            // In lengths of what is drawn.
+            let unit = f64::from(pictures.cells[0].unit.y) * 512.0;
+            (area / (unit * unit), 2.0 * area / outlines / unit)
+        };
+        let ((area, width), (as_much, wider)) = (measured(1.0), measured(2.0));
+        assert!((0.85..1.15).contains(&(as_much / area)), "{outline:?}: {area} {as_much}");
+        assert!(wider > 1.3 * width, "{outline:?}: {width} {wider}");
+        let look = LeafLook { needle_scale: 2.0, ..LeafLook::new(outline) };
+        assert_eq!(look.needle_width(), LeafLook::new(outline).needle_width().map(|width| 2.0 * width));
+    }
+    assert_eq!(LeafLook::new(Outline::Lobed).needle_width(), None);
+}
