@@ -35,9 +35,10 @@ const THICKEST: f32 = 0.07;
 const THICKEST_BARE: f32 = 0.3;
 /// Pixels that a twig is wide, at the least, from edge to edge; a prism of four sides is seen as wide as 0.7 of that.
 const TWIG_PX: f32 = 1.6;
-/// Cells that are drawn before they are laid: for any number of cores that machines have, and few enough not to be
-/// much memory.
+/// Cells that are drawn before they are laid, at the most: for any number of cores that machines have.
 const CELLS_AT_ONCE: usize = 16;
+/// The share of all cells that are, so that few large ones do not take more memory than many small ones.
+const SHARE_AT_ONCE: usize = 4;
 /// The material of a piece's wood.
 const WOOD: usize = 0;
 /// Sides of the wood on a card.
@@ -128,7 +129,8 @@ pub(super) fn draw<'a>(
     // Of the cells that are drawn at once, samples and what becomes of them.
     let mut largest: Vec<usize> = sights.iter().map(|sight| sheet.pixels(sight).area()).collect();
     largest.sort_unstable_by(|a, b| b.cmp(a));
-    let at_once: usize = largest.iter().take(CELLS_AT_ONCE).sum();
+    let cells_at_once = (sights.len() / SHARE_AT_ONCE).clamp(1, CELLS_AT_ONCE);
+    let at_once: usize = largest.iter().take(cells_at_once).sum();
     let bytes = bytes_of::<Drawn>(at_once * (SAMPLES * SAMPLES) as usize)
         + Resolved::bytes(at_once)
         + Pile::bytes(size)
@@ -172,7 +174,7 @@ pub(super) fn draw<'a>(
         };
         let mut pile = Pile::new(size, SAMPLES);
         let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&corners).collect();
-        for some in placed.chunks(CELLS_AT_ONCE) {
+        for some in placed.chunks(cells_at_once) {
             let cells = some.par_iter().map(|(sight, _)| drawn_cell(sight));
             let cells = cells.collect::<Result<Vec<(Resolved, Vec3)>, Cancelled>>()?;
             for ((_, corner), (cell, light)) in some.iter().zip(cells) {

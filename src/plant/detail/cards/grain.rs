@@ -15,7 +15,7 @@ const NEEDLE_PX: f32 = 1.3;
 /// Needles are drawn no more than this many times wider: beyond it they are straps.
 const MOST_SCALE: f32 = 2.5;
 /// Side of the pictures of needles that are drawn on cards, pixels: sprays of them have more pixels there than leaves.
-const NEEDLES_PX: u32 = 512;
+const NEEDLES_PX: u32 = 320;
 /// Different cards of the finest level where needles would have fewer pixels with more: with their images in a mirror as many
 /// as others have. With 12 a pine of 20000 triangles covers 0.01 less of what both cover.
 const FEWEST_FINE: usize = MOST_CARDS / 2;
@@ -61,7 +61,7 @@ impl Grain {
         (self.needle_scale > 1.0).then(|| {
             let mut dressing = asked.clone();
             let FoliageSettings { size_px, needle_scale, .. } = &mut dressing.foliage;
-            *size_px = if *size_px > NEEDLES_PX / 2 { NEEDLES_PX } else { 2 * *size_px };
+            *size_px = NEEDLES_PX.min(2 * *size_px);
             *needle_scale = self.needle_scale;
             dressing
         })
