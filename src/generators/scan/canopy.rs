@@ -10,8 +10,8 @@ use linden_growth::site::crown_base_m;
 use linden_growth::{Stand, Stop};
 use linden_skeleton::Wood;
 
-use crate::foot::ground_height;
 use crate::girth::MEASURING_BYTES_PER_POINT;
+use crate::ground::ground_height;
 use crate::settings::ScanSettings;
 use crate::{ScanGrowthError, girth, share_near, shows_stem};
 

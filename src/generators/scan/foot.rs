@@ -6,6 +6,7 @@
 
 use glam::DVec3;
 
+use super::ground::ground_height;
 use super::median::median;
 
 /// The stem's foot, and what is not the tree.
@@ -21,6 +22,10 @@ pub(super) struct Foot {
     pub floor_m: f64,
     /// From the root to the top; strays above do not count.
     pub height_m: f64,
+    /// Whether the root is on ground that was seen.
+    pub is_on_ground: bool,
+    /// How far above that the lowest points of the stem are, metres.
+    pub hidden_m: f64,
 }
 
 /// Layers over the height of the cloud; only the lower ones are searched for the stem.
@@ -69,7 +74,7 @@ impl Foot {
         let widest = 1.5 * grid.cell_m;
         let radius_m = bark.map_or(widest, |radius| (2.0 * radius).clamp(0.1 * widest, widest));
         let (ground_m, floor_m, height_m) = (2.0 * layer_m, foot_m - layer_m, top - foot_m);
-        Self { root, radius_m, ground_m, floor_m, height_m }
+        Self { root, radius_m, ground_m, floor_m, height_m, is_on_ground: false, hidden_m: 0.0 }
     }
 
     /// The same foot on the ground that points show around it, where they do.
@@ -77,7 +82,13 @@ impl Foot {
         let Some(height) = ground_height(ground, self.root) else { return self };
         let by = height - self.root.y;
         let root = self.root.with_y(height);
-        Self { root, floor_m: self.floor_m + by, height_m: self.height_m - by, ..self }
+        let (floor_m, height_m) = (self.floor_m + by, self.height_m - by);
+        Self { root, floor_m, height_m, is_on_ground: true, hidden_m: (self.hidden_m - by).max(0.0), ..self }
+    }
+
+    /// The same foot as high at another place.
+    pub fn moved_below(self, place: DVec3) -> Self {
+        Self { root: place.with_y(self.root.y), ..self }
     }
 
     /// Whether a point belongs to the ground or below it rather than to the tree.
@@ -85,20 +96,6 @@ impl Foot {
         let away = DVec3::new(p.x - self.root.x, 0.0, p.z - self.root.z).length() > self.radius_m;
         p.y < self.floor_m || (away && p.y < self.root.y + self.ground_m)
     }
-}
-
-/// Points of the ground whose median is its height at a place.
-const GROUND_POINTS: usize = 9;
-
-/// The height of the ground at a place, by the points on it (Y up) that are nearest to its plumb line.
-pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
-    let away = |p: &DVec3| (p.x - at.x) * (p.x - at.x) + (p.z - at.z) * (p.z - at.z);
-    let mut near: Vec<(f64, f64)> = ground.iter().map(|p| (away(p), p.y)).collect();
-    let count = near.len().min(GROUND_POINTS);
-    if count < near.len() {
-        near.select_nth_unstable_by(count, |a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    }
-    median(near[..count].iter().map(|(_, height)| *height))
 }
 
 /// How much wood stands in each cell of each of the lower layers.

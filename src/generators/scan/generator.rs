@@ -292,7 +292,7 @@ fn planted(
     monitor: &dyn Monitor,
 ) -> Result<Planted, ScanGrowthError> {
     let (cloud, up) = settings.cloud(task.inputs, monitor)?;
-    let trees::Chosen { points, is_leaf, ground, notes: of_trees } =
+    let trees::Chosen { points, is_leaf, ground, others, notes: of_trees } =
         trees::chosen(settings, &cloud, up, monitor)?;
     let first_notes = || {
         let of_file =
@@ -308,8 +308,16 @@ fn planted(
         && settings.growth.given_root(up).is_none();
     let grow = |points: &[DVec3], what: As| -> Result<Planted, ScanGrowthError> {
         let is_leaf = is_leaf.as_deref().filter(|_| what == As::Settings);
-        let given =
-            Given { points, is_leaf, ground: &ground, up, is_up_sure: cloud.is_z_up, scale, may_be_plot };
+        let given = Given {
+            points,
+            is_leaf,
+            ground: &ground,
+            others: &others,
+            up,
+            is_up_sure: cloud.is_z_up,
+            scale,
+            may_be_plot,
+        };
         let Prepared { site, bark, leaf_points, axes } =
             at_points(settings, &given, task.key(), what, monitor)?;
         let mut stand = grow_at(site, &settings.growth, monitor)?;

@@ -45,6 +45,7 @@ mod canopy;
 mod cells;
 mod circle;
 mod clean;
+mod cloth;
 mod crowns;
 mod cubes;
 mod cylinder;
@@ -55,6 +56,7 @@ mod frame;
 mod generator;
 mod girth;
 mod graph;
+mod ground;
 mod leaves;
 mod links;
 mod looks;
@@ -143,6 +145,8 @@ pub struct ScanReport {
     pub bridges: usize,
     /// The longest of them, 0 without one.
     pub longest_bridge_m: f64,
+    /// How much of the first stem, from the ground up, shows no circles; `None` where the ground is not known, or no circle.
+    pub unseen_stem_m: Option<f64>,
 }
 
 /// Why a scan cannot be grown.
@@ -291,10 +295,8 @@ pub fn prepare_distinct(
     let thinned = cubes.means.clone();
     // Which points are in which cube takes memory, and is for leaves alone.
     let cubes = rule.leaf_points.are_told(is_leaf.is_some()).then_some(cubes);
-    let mut trunks = Vec::new();
-    for foot in &feet {
-        trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));
-    }
+    let (feet, trunks) = standing(feet, &bark, ground, spacing_m, monitor)?;
+    let foot = &feet[0];
     let graph = Graph::linked(thinned, nearest, REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
     let nearest: Vec<Option<DVec3>> = feet
@@ -339,6 +341,9 @@ pub fn prepare_distinct(
     };
     let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
     let thickest_first = by_thickness(&roots, &feet, &trunks);
+    let is_first = |trunk: &&(DVec3, Trunk)| Some(&trunk.1.foot()) == thickest_first.first();
+    let unseen_stem_m =
+        trunks.iter().find(is_first).filter(|_| foot.is_on_ground).map(|(_, trunk)| trunk.unseen_m());
     let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
     let radii_m = leaves::radii_m(&ways, foot, trunks.iter().map(Trunk::radius_m), monitor)?;
     let mut sections =
@@ -363,8 +368,34 @@ pub fn prepare_distinct(
             leaf_points,
             bridges: bridges_m.len(),
             longest_bridge_m: bridges_m.iter().copied().fold(0.0, f64::max),
+            unseen_stem_m,
         },
     })
+}
+
+/// By so much the ground below a trunk is higher or lower than below what was seen of its foot first, metres, where that counts.
+const MOVED_M: f64 = 0.01;
+
+/// The trunks that stand on feet, and the feet below them: on a slope the lowest points of a stem are on one side of it.
+fn standing(
+    mut feet: Vec<Foot>,
+    bark: &[DVec3],
+    ground: &[DVec3],
+    spacing_m: f64,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Foot>, Vec<(DVec3, Trunk)>), Cancelled> {
+    let mut trunks = Vec::new();
+    for foot in &mut feet {
+        let Some(mut trunk) = Trunk::follow(bark, foot, spacing_m, monitor)? else { continue };
+        let below = foot.moved_below(trunk.foot()).on_ground(ground);
+        if (below.root.y - foot.root.y).abs() > MOVED_M
+            && let Some(again) = Trunk::follow(bark, &below, spacing_m, monitor)?
+        {
+            (*foot, trunk) = (below, again);
+        }
+        trunks.push((foot.root, trunk));
+    }
+    Ok((feet, trunks))
 }
 
 /// The roots of these feet, that of the thickest trunk first: it is the one whose diameter is told, and stands on the origin.

@@ -10,6 +10,7 @@ use linden_base::random::Key;
 use linden_growth::GrowthError;
 use linden_growth::site::{Grove, Site, Stem, Suggested, jitter};
 
+use crate::ground::{self, Ground};
 use crate::looks;
 use crate::settings::ScanSettings;
 use crate::{Distinct, Scan, ScanGrowthError, ScanReport, ScanRule, UpGuess, canopy};
@@ -32,6 +33,8 @@ pub(crate) struct Given<'a> {
     pub is_leaf: Option<&'a [bool]>,
     /// Points of the ground near them, where the file says which are.
     pub ground: &'a [DVec3],
+    /// Other points near them that are of no tree: the ground may be among them.
+    pub others: &'a [DVec3],
     /// The axis that points up in such files.
     pub up: Up,
     /// Whether the format itself says so.
@@ -71,7 +74,7 @@ impl FileAxes {
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    &Given { points, is_leaf, ground, up: usual, is_up_sure, scale, may_be_plot }: &Given<'_>,
+    &Given { points, is_leaf, ground, others, up: usual, is_up_sure, scale, may_be_plot }: &Given<'_>,
     key: Key,
     what: As,
     monitor: &dyn Monitor,
@@ -87,26 +90,31 @@ pub(crate) fn at_points(
     let (up, said) = match settings.growth.given_up().filter(|_| what != As::Grid) {
         Some(up) => (up, None),
         // Who tells ground apart knows what is up.
-        None if is_scan && ground.is_empty() => guessed_up(&points, usual, is_up_sure),
+        None if is_scan && ground.is_empty() => guessed_up(&points, usual, is_up_sure, monitor)?,
         None => (usual, None),
     };
     notes.extend(said);
-    let mut ground = ground.to_vec();
-    up.to_y_up(&mut points);
-    up.to_y_up(&mut ground);
+    let [mut ground, mut others] = [ground, others].map(<[DVec3]>::to_vec);
+    for points in [&mut points, &mut ground, &mut others] {
+        up.to_y_up(points);
+    }
     let scale = scale.unwrap_or_else(|| {
         let scale = if is_scan { crate::likely_scale(&points) } else { 1.0 };
         notes.extend(scale_note(scale));
         scale
     });
     if scale != 1.0 {
-        for p in points.iter_mut().chain(&mut ground) {
+        for p in points.iter_mut().chain(&mut ground).chain(&mut others) {
             *p *= scale;
         }
     }
     let axes = FileAxes { up, scale };
     let far_points = if is_scan { drop_far(&mut points, is_leaf.as_mut(), monitor)? } else { 0 };
     notes.extend(far_note(far_points));
+    if is_scan && what == As::Settings && ground.is_empty() {
+        let note = take_ground(&mut points, is_leaf.as_mut(), (&mut ground, &others), monitor)?;
+        notes.extend(note);
+    }
     if is_scan && what == As::Settings {
         notes.extend(looks::notes(&points, &ground, may_be_plot, monitor)?);
     }
@@ -182,6 +190,35 @@ pub(crate) fn at_points(
     Ok(Prepared { site, bark: None, leaf_points: 0, axes })
 }
 
+/// Takes the points of the ground out, where it shows in them and in `others`; places on it, and what is said of it.
+fn take_ground(
+    points: &mut Vec<DVec3>,
+    is_leaf: Option<&mut Vec<bool>>,
+    (ground, others): (&mut Vec<DVec3>, &[DVec3]),
+    monitor: &dyn Monitor,
+) -> Result<Option<String>, ScanGrowthError> {
+    let count = points.len();
+    let all = [&points[..], others].concat();
+    monitor.admit(
+        "looking for the ground",
+        all.len() as u64 * ground::BYTES_PER_POINT,
+        "thin the points out",
+    )?;
+    let Some(mut found) = Ground::find(&all, monitor)? else { return Ok(None) };
+    found.is_ground.truncate(count);
+    crate::retain_unmarked(points, &found.is_ground);
+    if let Some(is_leaf) = is_leaf {
+        crate::retain_unmarked(is_leaf, &found.is_ground);
+    }
+    *ground = found.points;
+    let rises = libm::atan(found.rise).to_degrees();
+    Ok(Some(format!(
+        "the ground was found by a cloth below the points; it rises by {rises:.0}°. {} points on it were left out, and the tree \
+         stands on it",
+        count - points.len()
+    )))
+}
+
 /// Whole metres near the middle of the box around some points.
 fn middle(points: &[DVec3]) -> DVec3 {
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -236,14 +273,34 @@ fn ground_note(points: usize) -> Option<String> {
 }
 
 /// The axis that is up, and what is said of it.
-fn guessed_up(points: &[DVec3], usual: Up, is_sure: bool) -> (Up, Option<String>) {
-    match crate::guess_up(points, usual) {
-        UpGuess::Usual => (usual, None),
-        UpGuess::Other(up) if is_sure => (usual, Some(lying_note(usual, up))),
-        UpGuess::Undecided if is_sure => (usual, None),
-        UpGuess::Other(up) => (up, Some(up_note(up))),
-        UpGuess::Undecided => (usual, Some(doubt_note(usual))),
+fn guessed_up(
+    points: &[DVec3],
+    usual: Up,
+    is_sure: bool,
+    monitor: &dyn Monitor,
+) -> Result<(Up, Option<String>), ScanGrowthError> {
+    let guess = crate::guess_up(points, usual);
+    // A tree that stands on ground does not lie.
+    if guess == UpGuess::Usual || shows_ground(points, usual, monitor)? {
+        return Ok((usual, None));
     }
+    Ok(match guess {
+        UpGuess::Other(up) if is_sure => (usual, Some(lying_note(usual, up))),
+        UpGuess::Other(up) => (up, Some(up_note(up))),
+        UpGuess::Undecided if !is_sure => (usual, Some(doubt_note(usual))),
+        UpGuess::Undecided | UpGuess::Usual => (usual, None),
+    })
+}
+
+/// Whether ground is below points in the file's axes and units, where `up` is up.
+fn shows_ground(points: &[DVec3], up: Up, monitor: &dyn Monitor) -> Result<bool, ScanGrowthError> {
+    let mut points = points.to_vec();
+    up.to_y_up(&mut points);
+    let scale = crate::likely_scale(&points);
+    for p in &mut points {
+        *p *= scale;
+    }
+    Ok(Ground::find(&points, monitor)?.is_some())
 }
 
 fn up_note(up: Up) -> String {
@@ -285,6 +342,19 @@ fn scale_note(scale: f64) -> Option<String> {
     })
 }
 
+/// So much of a stem above the ground is seen badly beside most, metres: grass, roots, the angle of the scanner.
+const USUALLY_UNSEEN_M: f64 = 0.35;
+
+/// What is said of a stem whose lowest part shows no circles.
+fn unseen_note(unseen_m: f64) -> Option<String> {
+    (unseen_m > USUALLY_UNSEEN_M).then(|| {
+        format!(
+            "the lowest {unseen_m:.2} m of the stem show no circles, as where they are hidden: its axis was led straight down to the \
+             ground, from which heights are counted"
+        )
+    })
+}
+
 fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
     let Scan { report, roots, .. } = scan;
     let mut notes = Vec::new();
@@ -297,6 +367,7 @@ fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
         }
         _ => {}
     }
+    notes.extend(report.unseen_stem_m.and_then(unseen_note));
     notes.extend(ground_note(report.ground_points));
     if report.noise_points > 0 {
         let points = match report.noise_points {
@@ -320,4 +391,81 @@ fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
         ));
     }
     notes
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::monitor::Quiet;
+
+    use super::*;
+
+    /// Bark of a stem of 8 m with limbs, Z up, what is above `from_m` of it.
+    fn tree(from_m: f64) -> Vec<DVec3> {
+        let unit = |name: &str, i: u64| Key::new(5).named(name).child(i).unit();
+        let stem = (0..12_000).map(|i| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit("turn", i));
+            let h = 8.0 * unit("up", i);
+            let r = 0.15 - 0.015 * h;
+            DVec3::new(r * cos, r * sin, h)
+        });
+        let limbs = (0..8000).map(|i| {
+            let (sin, cos) = libm::sincos(2.4 * (i % 12) as f64);
+            let (around, out) = (libm::sincos(7.0 * unit("turn", i)), 1.8 * unit("out", i));
+            let h = 3.0 + 0.35 * (i % 12) as f64 + 0.5 * out;
+            DVec3::new(out * cos + 0.03 * around.0, out * sin, h + 0.03 * around.1)
+        });
+        stem.chain(limbs).filter(|p| p.z > from_m).collect()
+    }
+
+    /// Ground around the origin that rises along y, with 2 cm of roughness.
+    fn slope(degrees: f64) -> Vec<DVec3> {
+        let unit = |name: &str, i: u64| Key::new(6).named(name).child(i).unit();
+        let place = |i: u64| {
+            let [x, y] = ["x", "y"].map(|axis| 10.0 * unit(axis, i) - 5.0);
+            DVec3::new(x, y, y * libm::tan(degrees.to_radians()) + 0.02 * (unit("z", i) - 0.5))
+        };
+        (0..12_000).map(place).collect()
+    }
+
+    fn prepared(points: &[DVec3], others: &[DVec3]) -> (DVec3, Vec<String>) {
+        let given = Given {
+            points,
+            is_leaf: None,
+            ground: &[],
+            others,
+            up: Up::Z,
+            is_up_sure: false,
+            scale: Some(1.0),
+            may_be_plot: true,
+        };
+        let settings = ScanSettings::of("tree.xyz".to_owned());
+        let prepared = at_points(&settings, &given, Key::new(1), As::Settings, &Quiet).unwrap();
+        let site = prepared.site;
+        (prepared.axes.of(site.root + site.origin), site.notes)
+    }
+
+    #[test]
+    fn a_tree_stands_on_the_ground_that_nobody_has_classed() {
+        for (degrees, hidden_m) in
+            [(0.0, 0.0), (15.0, 0.0), (25.0, 0.0), (30.0, 0.0), (0.0, 0.8), (20.0, 1.2)]
+        {
+            let points = [tree(hidden_m), slope(degrees)].concat();
+            let (foot, notes) = prepared(&points, &[]);
+            assert!(foot.length() < 0.03, "{degrees}°, {hidden_m}: {foot}");
+            let said = notes.join("\n");
+            assert!(said.contains(&format!("it rises by {degrees:.0}°")), "{said}");
+            assert_eq!(said.contains("show no circles"), hidden_m > 0.0, "{hidden_m}: {said}");
+            assert!(!said.contains("taken for up"), "{said}");
+        }
+    }
+
+    #[test]
+    fn the_ground_may_be_among_points_of_no_tree() {
+        let (tree, slope) = (tree(0.5), slope(18.0));
+        let (foot, _) = prepared(&tree, &slope);
+        assert!(foot.length() < 0.03, "{foot}");
+        let (foot, notes) = prepared(&tree, &[]);
+        assert!((foot.z - 0.5).abs() < 0.05, "{foot}");
+        assert!(!notes.join("\n").contains("ground"), "{notes:?}");
+    }
 }

@@ -139,6 +139,8 @@ pub(crate) struct Chosen<'a> {
     pub is_leaf: Option<Cow<'a, [bool]>>,
     /// Points near them that the file classes as ground.
     pub ground: Vec<DVec3>,
+    /// Points near them that are of no tree, where the file does not class the ground.
+    pub others: Vec<DVec3>,
     /// What is to be said of columns and of the other points.
     pub notes: Vec<String>,
 }
@@ -152,6 +154,7 @@ impl<'a> Chosen<'a> {
                 points: Cow::Borrowed(&cloud.positions),
                 is_leaf: cloud.leaves.as_ref().map(|column| Cow::Borrowed(&column.is_leaf[..])),
                 ground: Vec::new(),
+                others: Vec::new(),
                 notes: Vec::new(),
             },
         }
@@ -160,7 +163,9 @@ impl<'a> Chosen<'a> {
     /// Those of a number.
     fn of_tree(cloud: &'a Cloud, column: &TreeColumn, wanted: u32) -> Self {
         let is_ground = |at: usize| cloud.is_ground.as_ref().is_some_and(|marks| marks[at]);
-        Self::of(cloud, |at| column.numbers[at] == wanted && !is_ground(at))
+        let chosen = Self::of(cloud, |at| column.numbers[at] == wanted && !is_ground(at));
+        let others = others_near(cloud, column, &chosen.points);
+        Self { others, ..chosen }
     }
 
     fn of(cloud: &'a Cloud, is_wanted: impl Fn(usize) -> bool) -> Self {
@@ -168,7 +173,13 @@ impl<'a> Chosen<'a> {
         let points: Vec<DVec3> = wanted().map(|at| cloud.positions[at]).collect();
         let is_leaf = cloud.leaves.as_ref().map(|leaves| wanted().map(|at| leaves.is_leaf[at]).collect());
         let ground = ground_near(cloud, &points);
-        Self { points: Cow::Owned(points), is_leaf: is_leaf.map(Cow::Owned), ground, notes: Vec::new() }
+        Self {
+            points: Cow::Owned(points),
+            is_leaf: is_leaf.map(Cow::Owned),
+            ground,
+            others: Vec::new(),
+            notes: Vec::new(),
+        }
     }
 }
 
@@ -188,6 +199,22 @@ fn ground_near(cloud: &Cloud, points: &[DVec3]) -> Vec<DVec3> {
         rows.filter(|(p, is_ground)| **is_ground && is_near(p)).map(|(p, _)| *p).collect();
     let every = ground.len().div_ceil(MOST_GROUND).max(1);
     ground.into_iter().step_by(every).collect()
+}
+
+/// How far beyond a tree's points others are looked for, as a part of their extent.
+const BESIDE: f64 = 0.1;
+
+/// The points of no tree in the box around some points, where the file does not say which of them lie on the ground.
+fn others_near(cloud: &Cloud, column: &TreeColumn, points: &[DVec3]) -> Vec<DVec3> {
+    if cloud.is_ground.is_some() {
+        return Vec::new();
+    }
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let reach = BESIDE * (high - low).max_element();
+    let is_near = |p: &DVec3| p.cmpge(low - reach).all() && p.cmple(high + reach).all();
+    let rows = cloud.positions.iter().zip(&column.numbers);
+    rows.filter(|(p, number)| **number == 0 && is_near(p)).map(|(p, _)| *p).collect()
 }
 
 /// The points that are grown into, and what is to be said of the others.

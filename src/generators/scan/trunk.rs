@@ -23,6 +23,10 @@ const MOST_POINTS: usize = 900;
 /// The first circle is looked for so far above the foot, as parts of the height.
 const STARTS: [f64; 8] = [0.06, 0.05, 0.07, 0.08, 0.04, 0.1, 0.03, 0.02];
 
+/// And also here where so much of its lowest part is hidden above ground that was seen, metres.
+const STARTS_ABOVE: [f64; 4] = [0.13, 0.16, 0.2, 0.25];
+const HIDDEN_M: f64 = 0.3;
+
 /// No stem is thicker: radius ÷ height.
 const STOUTEST: f64 = 0.07;
 
@@ -59,6 +63,8 @@ pub(super) struct Trunk {
     rings: Vec<Ring>,
     /// Metres from the foot to each ring.
     along_m: Vec<f64>,
+    /// How far above the foot the lowest circle is.
+    unseen_m: f64,
     /// How far off the bark a point may lie and belong to it.
     play_m: f64,
     /// The box that all points on it lie in.
@@ -75,7 +81,8 @@ impl Trunk {
         monitor: &dyn Monitor,
     ) -> Result<Option<Self>, Cancelled> {
         let slices = Slices::new(points, foot, spacing_m);
-        for part in STARTS {
+        let above = STARTS_ABOVE.into_iter().filter(|_| foot.hidden_m > HIDDEN_M);
+        for part in STARTS.into_iter().chain(above) {
             monitor.check()?;
             let Some(start) = slices.first(part) else { continue };
             let mut rings = slices.rings(start, -DVec3::Y, monitor)?;
@@ -92,10 +99,15 @@ impl Trunk {
     fn of(mut rings: Vec<Ring>, foot: &Foot, sd_m: f64, spacing_m: f64) -> Self {
         smooth(&mut rings);
         // Down to the ground, as it leans there.
-        let (low, next) = (rings[0], rings[rings.len().min(4) - 1]);
+        let low = rings[0];
         let down_m = low.at.y - foot.root.y;
+        // The farther down a hidden foot is, the longer the part that says how it leans.
+        let least_m = if foot.is_on_ground { down_m } else { 0.0 };
+        let is_long = |ring: &&Ring| ring.at.y - low.at.y >= least_m;
+        let next = rings.iter().skip(3).find(is_long).unwrap_or(&rings[rings.len() - 1]);
         let lean = (next.at - low.at) / (next.at.y - low.at.y).max(1e-6);
         let at = if down_m > 0.0 { low.at - lean * down_m } else { low.at };
+        let unseen_m = down_m.max(0.0);
         if down_m > 1e-3 {
             rings.insert(0, Ring { at, se_m: f64::INFINITY, ..low });
         }
@@ -108,12 +120,17 @@ impl Trunk {
         let reach_m = DVec3::splat(NEAR_BARK * thickest_m + play_m);
         let low = rings.iter().map(|ring| ring.at).fold(DVec3::INFINITY, DVec3::min) - reach_m;
         let high = rings.iter().map(|ring| ring.at).fold(DVec3::NEG_INFINITY, DVec3::max) + reach_m;
-        Self { rings, along_m, play_m, low, high }
+        Self { rings, along_m, unseen_m, play_m, low, high }
     }
 
     /// In the middle of the stem, where it leaves the ground.
     pub fn foot(&self) -> DVec3 {
         self.rings[0].at
+    }
+
+    /// How much of it, from the foot up, shows no circles, metres.
+    pub fn unseen_m(&self) -> f64 {
+        self.unseen_m
     }
 
     /// How thick it is where it was seen first above the flare of its foot, metres.
@@ -346,6 +363,25 @@ mod tests {
             }
             assert!(trunk.place(DVec3::new(0.1 + 0.126, 2.0, 0.0)).is_some());
             assert!(trunk.place(DVec3::new(0.15, 3.7, 1.0)).is_none());
+        }
+    }
+
+    /// Seen above nettles only, on ground that is known: the axis goes straight on down to that.
+    #[test]
+    fn a_hidden_foot_is_below_what_is_seen_of_the_stem() {
+        for from_m in [0.5, 1.0, 1.5] {
+            let mut points = bark(2.0 * PI);
+            points.retain(|p| p.y > from_m);
+            let ground: Vec<DVec3> = (0..400_u32)
+                .map(|i| DVec3::new(f64::from(i % 20) - 10.0, 0.0, f64::from(i / 20) - 10.0) * 0.3)
+                .collect();
+            let unknown = Foot::find(&points);
+            assert!((unknown.root.y - from_m).abs() < 0.1, "{from_m}: {}", unknown.root);
+            let foot = unknown.on_ground(&ground);
+            let trunk = Trunk::follow(&points, &foot, 0.012, &Quiet).unwrap().unwrap();
+            let DVec3 { x, y, z } = trunk.foot();
+            assert!(x.abs() < 0.03 && y.abs() < 1e-6 && z.abs() < 0.03, "{from_m}: {x} {y} {z}");
+            assert!((trunk.unseen_m() - from_m).abs() < 0.1, "{from_m}: {}", trunk.unseen_m());
         }
     }
 

@@ -1,7 +1,7 @@
 //! The trees of a plot that nobody has told apart: stems are found, and every point goes to the one from which the way to
 //! it is the shortest.
 //!
-//! 1. The ground is found (`ground`).
+//! 1. The ground is found (`cloth`).
 //! 2. So are stems (`boles`): circles on slices near breast height that go on above and below.
 //! 3. Points are thinned and linked as in a scan of one tree; ways lead from all boles at once (Dijkstra 1959). A link counts
 //!    by the square of its length, what turns aside counts more than what goes straight on as branches do, and a metre counts
@@ -11,7 +11,6 @@
 //! 4. What is too low for a tree is none. Trees are numbered by their heights, the tallest is 1.
 
 mod boles;
-mod ground;
 
 use glam::DVec3;
 use linden_base::input::{TreeColumn, Up};
@@ -19,7 +18,7 @@ use linden_base::monitor::Monitor;
 use rayon::prelude::*;
 
 use self::boles::Bole;
-use self::ground::Ground;
+use crate::cloth::Cloth;
 use crate::cubes::Cubes;
 use crate::graph::{Cost, Graph, Start};
 use crate::{ScanError, likely_scale, spacing_m};
@@ -98,7 +97,7 @@ pub fn tell_apart(
         *p *= scale;
     }
     let spacing_m = spacing_m(&points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
-    let ground = Ground::under(&points, monitor)?;
+    let ground = Cloth::under(&points, monitor)?;
     let heights_m: Vec<f32> = points.par_iter().map(|p| (p.y - ground.height_m(*p)) as f32).collect();
     monitor.check()?;
     let boles = boles::find(&points, &heights_m, spacing_m, monitor)?;
@@ -137,7 +136,7 @@ pub(crate) fn stems_of(points: &[DVec3], monitor: &dyn Monitor) -> Result<(usize
     let bytes = points.len() as u64 * BYTES_PER_POINT;
     monitor.admit("looking for stems", bytes, "thin the points out")?;
     let Some(spacing_m) = spacing_m(points, monitor)? else { return Ok((0, 0.0)) };
-    let ground = Ground::under(points, monitor)?;
+    let ground = Cloth::under(points, monitor)?;
     let heights_m: Vec<f32> = points.par_iter().map(|p| (p.y - ground.height_m(*p)) as f32).collect();
     let boles = boles::find(points, &heights_m, spacing_m, monitor)?;
     let away = |a: &Bole, b: &Bole| libm::hypot(a.centre.0 - b.centre.0, a.centre.1 - b.centre.1);
@@ -163,7 +162,7 @@ fn of_cubes(
     cubes: &Cubes,
     cube_m: f64,
     near: &BoleIndex<'_>,
-    ground: &Ground,
+    ground: &Cloth,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Option<u32>>, ScanError> {
     let mut of_cubes = vec![None; cubes.means.len()];

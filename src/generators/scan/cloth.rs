@@ -1,6 +1,6 @@
-//! The ground under a plot.
+//! A cloth that hangs below a cloud, where the ground is.
 //!
-//! A cloth that hangs below the cloud: the cloud upside down, a cloth that falls onto it (Zhang, Qi, Wan, Wang, Xie, Wang &
+//! It is found as if the cloud were upside down, a cloth that falls onto it (Zhang, Qi, Wan, Wang, Xie, Wang &
 //! Yan 2016, *An easy-to-use airborne lidar data filtering method based on cloth simulation*, Remote Sensing 8(6):501).
 //! Here the place where the cloth comes to rest is computed at once, without the fall: of all surfaces that no point is below
 //! and that sag no more than [`SAG`], the highest. It lies on the ground where ground was seen, and spans what stems and
@@ -34,8 +34,8 @@ const ROUNDS: usize = 4000;
 /// Cells that the slope of the whole is told by are so many times as wide: in each of them some ground is seen.
 const COARSER: usize = 10;
 
-/// Heights of the ground on a grid.
-pub(super) struct Ground {
+/// Its heights on a grid.
+pub(crate) struct Cloth {
     low: [f64; 2],
     cell_m: f64,
     columns: usize,
@@ -46,7 +46,7 @@ pub(super) struct Ground {
     slope: [f64; 2],
 }
 
-impl Ground {
+impl Cloth {
     /// Under points in metres, Y up; at least one.
     pub fn under(points: &[DVec3], monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
@@ -54,7 +54,7 @@ impl Ground {
         let cell_m = CELL_M.max((size.x * size.z / MOST_CELLS).sqrt()).max(size.x.max(size.z) / MOST_CELLS);
         let cells = |length_m: f64| (length_m / cell_m) as usize + 1;
         let (columns, rows) = (cells(size.x), cells(size.z));
-        let mut ground = Self {
+        let mut cloth = Self {
             low: [low.x, low.z],
             cell_m,
             columns,
@@ -65,20 +65,41 @@ impl Ground {
         // The lowest point of each cell, and the slope from those of wider cells.
         let mut lowest: Vec<Option<DVec3>> = vec![None; columns * rows];
         for &p in points {
-            let lowest = &mut lowest[ground.cell(p)];
+            let lowest = &mut lowest[cloth.cell(p)];
             *lowest = Some(lowest.filter(|lowest| lowest.y <= p.y).unwrap_or(p));
         }
         monitor.check()?;
-        ground.take_heights(&lowest);
-        ground.drop_strays(points, &mut lowest);
-        ground.slope = ground.slope_of(&lowest);
-        ground.take_heights(&lowest);
-        ground.come_to_rest(monitor)?;
-        Ok(ground)
+        cloth.take_heights(&lowest);
+        cloth.drop_strays(points, &mut lowest);
+        cloth.slope = cloth.slope_of(&lowest);
+        cloth.take_heights(&lowest);
+        cloth.come_to_rest(monitor)?;
+        Ok(cloth)
+    }
+
+    /// The side of a cell, metres.
+    pub fn cell_m(&self) -> f64 {
+        self.cell_m
+    }
+
+    /// Columns and rows of cells.
+    pub fn size(&self) -> [usize; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// The cell below a place: column and row.
+    pub fn place(&self, p: DVec3) -> [usize; 2] {
+        let at = |x: f64, low: f64, count: usize| (((x - low) / self.cell_m) as usize).min(count - 1);
+        [at(p.x, self.low[0], self.columns), at(p.z, self.low[1], self.rows)]
     }
 
     /// Its height at a place, between the middles of cells.
     pub fn height_m(&self, p: DVec3) -> f64 {
+        self.between(p, |cell| self.heights_m[cell]) + self.plane_m(p)
+    }
+
+    /// At a place, what cells have in their middles.
+    pub fn between(&self, p: DVec3, value: impl Fn(usize) -> f64) -> f64 {
         let at = |x: f64, low: f64, count: usize| {
             let cells = ((x - low) / self.cell_m - 0.5).clamp(0.0, (count - 1) as f64);
             let first = (cells as usize).min(count.saturating_sub(2));
@@ -86,18 +107,21 @@ impl Ground {
         };
         let (left, right, x) = at(p.x, self.low[0], self.columns);
         let (front, back, z) = at(p.z, self.low[1], self.rows);
-        let height = |column: usize, row: usize| self.heights_m[row * self.columns + column];
-        let along = |row: usize| height(left, row) * (1.0 - x) + height(right, row) * x;
-        along(front) * (1.0 - z) + along(back) * z + self.plane_m(p)
+        let along = |row: usize| {
+            let [left, right] = [left, right].map(|column| value(row * self.columns + column));
+            left * (1.0 - x) + right * x
+        };
+        along(front) * (1.0 - z) + along(back) * z
     }
 
-    fn plane_m(&self, p: DVec3) -> f64 {
+    /// The height of the slope of the whole at a place: the cloth rises and falls about it.
+    pub fn plane_m(&self, p: DVec3) -> f64 {
         self.slope[0] * (p.x - self.low[0]) + self.slope[1] * (p.z - self.low[1])
     }
 
     fn cell(&self, p: DVec3) -> usize {
-        let at = |x: f64, low: f64, count: usize| (((x - low) / self.cell_m) as usize).min(count - 1);
-        at(p.z, self.low[1], self.rows) * self.columns + at(p.x, self.low[0], self.columns)
+        let [column, row] = self.place(p);
+        row * self.columns + column
     }
 
     fn take_heights(&mut self, lowest: &[Option<DVec3>]) {
@@ -210,16 +234,16 @@ mod tests {
         100.0 + 0.35 * x - 0.1 * z + 2.0 * libm::exp(-off / 40.0)
     }
 
-    fn farthest_off(ground: &Ground, points: &[DVec3]) -> f64 {
-        points.iter().map(|p| (ground.height_m(*p) - p.y).abs()).fold(0.0, f64::max)
+    fn farthest_off(cloth: &Cloth, points: &[DVec3]) -> f64 {
+        points.iter().map(|p| (cloth.height_m(*p) - p.y).abs()).fold(0.0, f64::max)
     }
 
     #[test]
     fn the_cloth_lies_on_hills_and_slopes() {
         let points = hill(|_, _| false);
-        let ground = Ground::under(&points, &Quiet).unwrap();
+        let cloth = Cloth::under(&points, &Quiet).unwrap();
         // A cell's height is that of its lowest point.
-        let off = farthest_off(&ground, &points);
+        let off = farthest_off(&cloth, &points);
         assert!(off < 0.5 * CELL_M * 0.8 + 0.1, "{off}");
     }
 
@@ -234,11 +258,11 @@ mod tests {
         let seen = points.clone();
         points.extend(hill(|x, z| !is_under(x, z)).into_iter().map(|p| p + DVec3::Y * 3.0));
         points.push(DVec3::new(33.0, 80.0, 21.0));
-        let ground = Ground::under(&points, &Quiet).unwrap();
-        let off = farthest_off(&ground, &seen);
+        let cloth = Cloth::under(&points, &Quiet).unwrap();
+        let off = farthest_off(&cloth, &seen);
         assert!(off < 0.4, "{off}");
         let hidden = hill(|x, z| !is_under(x, z));
-        let off = farthest_off(&ground, &hidden);
+        let off = farthest_off(&cloth, &hidden);
         assert!(off < 0.6, "{off}");
     }
 
@@ -246,8 +270,8 @@ mod tests {
     fn few_points_have_ground() {
         // Too few to be sure of.
         let p = DVec3::new(3.0, 4.0, 5.0);
-        assert!(Ground::under(&[p], &Quiet).unwrap().height_m(p).is_finite());
-        let ground = Ground::under(&[p, p + 0.1 * DVec3::X, p + 0.1 * DVec3::Z], &Quiet).unwrap();
-        assert!((ground.height_m(p) - 4.0).abs() < 1e-9);
+        assert!(Cloth::under(&[p], &Quiet).unwrap().height_m(p).is_finite());
+        let cloth = Cloth::under(&[p, p + 0.1 * DVec3::X, p + 0.1 * DVec3::Z], &Quiet).unwrap();
+        assert!((cloth.height_m(p) - 4.0).abs() < 1e-9);
     }
 }

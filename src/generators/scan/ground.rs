@@ -1,0 +1,429 @@
+//! The ground in a cloud that does not say which of its points lie on it.
+//!
+//! Below a cloud hangs a cloth (`cloth`), which rough ground, grass and multiple echoes pull down, and which lies on the lowest
+//! twigs where no ground was seen. Ground is more than that:
+//!
+//! 1. in a cell of the cloth at least half of what is near it lies in a thin layer;
+//! 2. such cells hang together, over some square metres, as heights of a surface do;
+//! 3. next to nothing is below them;
+//! 4. a stem stands among them.
+//!
+//! Where one of these does not hold, the cloud has no ground, and nothing is taken from it. Else what lies within the spread of the
+//! layer around its middle, or below, is ground. A cell whose middle stems or grass hide is like those beside it.
+
+use glam::DVec3;
+use linden_base::monitor::{Cancelled, Monitor};
+
+use super::cloth::Cloth;
+use super::foot::Foot;
+use super::median::median;
+
+/// The layer is looked for so far above the cloth, metres, and so far below, where strays are.
+const REACH_M: f64 = 1.0;
+const BELOW_M: f64 = 0.5;
+
+/// Points of a cell that show a layer, at least.
+const LEAST_POINTS: usize = 5;
+
+/// Half of a cell's points lie in a layer so thick at most, metres. (Of grass with a standard deviation of 10 cm it is 14 cm.)
+const THIN_M: f64 = 0.2;
+
+/// The middle of the layer is no higher above the cloth, metres.
+const MOST_ABOVE_M: f64 = 0.75;
+
+/// The ground goes on from one cell to another so many cells away,
+const NEXT: usize = 2;
+
+/// if they are no farther apart in height than this, metres, and this part of their distance.
+const STEP_M: f64 = 0.15;
+const STEP_PER_M: f64 = 0.2;
+
+/// Ground that hangs together, square metres at least: 12 cells.
+const LEAST_M2: f64 = 3.0;
+
+/// What is so far below the ground, metres,
+const UNDER_M: f64 = 0.2;
+
+/// is this part of the points on it at most.
+const MOST_UNDER: f64 = 0.02;
+
+/// What stands on the ground is so high, metres, at least.
+const LEAST_TREE_M: f64 = 1.0;
+
+/// Within this distance of a stem, metres, so much ground was seen at least, square metres.
+const AROUND_M: f64 = 3.0;
+const LEAST_AROUND_M2: f64 = 2.0;
+
+/// Cells without a layer are filled from those beside them, so many cells far.
+const FILLED: usize = 3;
+
+/// Points on the ground lie within so many standard deviations of its middle, metres from and to.
+const SPREADS: f64 = 3.0;
+const TOLERANCE_M: [f64; 2] = [0.03, 0.3];
+
+/// While it is looked for, for each point: its place, its height and its layer.
+pub(crate) const BYTES_PER_POINT: u64 = 96;
+
+/// The ground of a cloud.
+pub(crate) struct Ground {
+    /// For each point whether it is on the ground or below it.
+    pub is_ground: Vec<bool>,
+    /// In the middle of its layer, one for each cell that shows it.
+    pub points: Vec<DVec3>,
+    /// How much it rises, 1 for 45°.
+    pub rise: f64,
+}
+
+impl Ground {
+    /// That of points in metres, Y up; `None` where they show none.
+    pub fn find(points: &[DVec3], monitor: &dyn Monitor) -> Result<Option<Self>, Cancelled> {
+        if points.len() < LEAST_POINTS {
+            return Ok(None);
+        }
+        let cloth = Cloth::under(points, monitor)?;
+        let layers = layers(points, &cloth);
+        monitor.check()?;
+        let Some(surface) = Surface::of(layers, &cloth) else { return Ok(None) };
+        let heights_m: Vec<Option<f64>> = points.iter().map(|&p| surface.height_above_m(p)).collect();
+        monitor.check()?;
+        let tolerance_m = tolerance_m(&heights_m);
+        let is_ground: Vec<bool> =
+            heights_m.iter().map(|height| height.is_some_and(|height| height <= tolerance_m)).collect();
+        let under = heights_m.iter().flatten().filter(|height| **height < -UNDER_M.max(tolerance_m)).count();
+        let on = is_ground.iter().filter(|mark| **mark).count();
+        let is_surface = under as f64 <= MOST_UNDER * on as f64;
+        let rows = points.iter().zip(&is_ground);
+        let rest: Vec<DVec3> = rows.filter(|(_, is_ground)| !**is_ground).map(|(p, _)| *p).collect();
+        let found = Self { is_ground, points: surface.middles(), rise: surface.rise() };
+        Ok((is_surface && found.bears(&rest)).then_some(found))
+    }
+
+    /// Whether what is not on the ground stands on it.
+    fn bears(&self, rest: &[DVec3]) -> bool {
+        if rest.is_empty() {
+            return false;
+        }
+        let foot = Foot::find(rest);
+        let away = |p: &&DVec3| libm::hypot(p.x - foot.root.x, p.z - foot.root.z) <= AROUND_M;
+        let around = self.points.iter().filter(away).count() as f64;
+        let Some(height) = ground_height(&self.points, foot.root) else { return false };
+        let top = foot.root.y + foot.height_m - height;
+        around * LEAST_M2 / LEAST_CELLS as f64 >= LEAST_AROUND_M2 && top >= LEAST_TREE_M
+    }
+}
+
+/// Cells of 0.5 m that [`LEAST_M2`] are.
+const LEAST_CELLS: usize = 12;
+
+/// What a cell shows of the ground: the middle of its layer.
+type Layer = Option<DVec3>;
+
+/// The layers of all cells of a cloth.
+fn layers(points: &[DVec3], cloth: &Cloth) -> Vec<Layer> {
+    let [columns, rows] = cloth.size();
+    let mut low: Vec<(usize, f64, DVec3)> = Vec::new();
+    for &p in points {
+        // Above the slope, so that a cell is level; and not farther off the cloth.
+        let height_m = p.y - cloth.height_m(p);
+        if (-BELOW_M..REACH_M).contains(&height_m) {
+            let [column, row] = cloth.place(p);
+            low.push((row * columns + column, p.y - cloth.plane_m(p), p));
+        }
+    }
+    let by_place = |a: &DVec3, b: &DVec3| a.x.total_cmp(&b.x).then(a.z.total_cmp(&b.z));
+    low.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(by_place(&a.2, &b.2)));
+    let mut layers = vec![None; columns * rows];
+    for cell in low.chunk_by(|a, b| a.0 == b.0) {
+        let middle = layer(cell).filter(|middle| middle.y - cloth.height_m(*middle) <= MOST_ABOVE_M);
+        layers[cell[0].0] = middle;
+    }
+    layers
+}
+
+/// The middle of the thinnest layer that holds half of a cell's points, by height, if it is thin.
+fn layer(cell: &[(usize, f64, DVec3)]) -> Layer {
+    let half = cell.len() / 2 + 1;
+    if cell.len() < LEAST_POINTS {
+        return None;
+    }
+    let thick_m = |layer: &&[(usize, f64, DVec3)]| layer[half - 1].1 - layer[0].1;
+    let thinnest = cell.windows(half).min_by(|a, b| thick_m(a).total_cmp(&thick_m(b)))?;
+    let sum = thinnest.iter().fold(DVec3::ZERO, |sum, (_, _, p)| sum + *p);
+    (thick_m(&thinnest) <= THIN_M).then_some(sum / half as f64)
+}
+
+/// Heights of the ground, where it was seen and beside that.
+struct Surface<'a> {
+    cloth: &'a Cloth,
+    plane: Plane,
+    layers: Vec<Layer>,
+    /// Above the plane, in the middle of each cell.
+    levels_m: Vec<Option<f64>>,
+}
+
+impl<'a> Surface<'a> {
+    /// Of the layers that hang together; `None` where none do.
+    fn of(mut layers: Vec<Layer>, cloth: &'a Cloth) -> Option<Self> {
+        keep_wide(&mut layers, cloth);
+        let seen: Vec<DVec3> = layers.iter().flatten().copied().collect();
+        let plane = Plane::through(&seen)?;
+        let levels_m = layers.iter().map(|layer| layer.map(|p| p.y - plane.height_m(p))).collect();
+        let mut surface = Self { cloth, plane, layers, levels_m };
+        surface.smooth();
+        for _ in 0..FILLED {
+            surface.fill();
+        }
+        Some(surface)
+    }
+
+    /// The levels known around a cell, with its own.
+    fn around(&self, cell: usize) -> Vec<f64> {
+        let cells = window(self.cloth.size(), cell, 1);
+        cells.filter_map(|cell| self.levels_m[cell]).collect()
+    }
+
+    /// Each level becomes the median of those around it, where they are the most of nine: grass in one is no bump.
+    fn smooth(&mut self) {
+        let new = |cell: usize| {
+            let around = self.around(cell);
+            let known = self.levels_m[cell]?;
+            if around.len() < 5 { Some(known) } else { median(around) }
+        };
+        self.levels_m = (0..self.levels_m.len()).map(new).collect();
+    }
+
+    fn fill(&mut self) {
+        let new = |cell: usize| {
+            let mean = || {
+                let around = self.around(cell);
+                (!around.is_empty()).then(|| around.iter().sum::<f64>() / around.len() as f64)
+            };
+            self.levels_m[cell].or_else(mean)
+        };
+        self.levels_m = (0..self.levels_m.len()).map(new).collect();
+    }
+
+    /// How far a place is above it; `None` beyond it.
+    fn height_above_m(&self, p: DVec3) -> Option<f64> {
+        let [columns, _] = self.cloth.size();
+        let [column, row] = self.cloth.place(p);
+        let own = self.levels_m[row * columns + column]?;
+        let level = self.cloth.between(p, |cell| self.levels_m[cell].unwrap_or(own));
+        Some(p.y - self.plane.height_m(p) - level)
+    }
+
+    /// A place on it in each cell that was seen.
+    fn middles(&self) -> Vec<DVec3> {
+        let on = |p: &DVec3| Some(p.with_y(p.y - self.height_above_m(*p)?));
+        self.layers.iter().flatten().filter_map(on).collect()
+    }
+
+    fn rise(&self) -> f64 {
+        libm::hypot(self.plane.slope[0], self.plane.slope[1])
+    }
+}
+
+/// The cells around one, itself too, up to so many away, on a grid of columns and rows.
+fn window([columns, rows]: [usize; 2], cell: usize, away: usize) -> impl Iterator<Item = usize> {
+    let (column, row) = (cell % columns, cell / columns);
+    let near = move |at: usize, count: usize| at.saturating_sub(away)..(at + away + 1).min(count);
+    near(row, rows).flat_map(move |row| near(column, columns).map(move |column| row * columns + column))
+}
+
+/// Leaves layers that hang together over enough ground.
+fn keep_wide(layers: &mut [Layer], cloth: &Cloth) {
+    let least = (LEAST_M2 / (cloth.cell_m() * cloth.cell_m())).ceil() as usize;
+    let goes_on = |a: DVec3, b: DVec3| {
+        let up_m = (a.y - cloth.plane_m(a)) - (b.y - cloth.plane_m(b));
+        up_m.abs() <= STEP_M + STEP_PER_M * libm::hypot(a.x - b.x, a.z - b.z)
+    };
+    let mut is_met = vec![false; layers.len()];
+    for first in 0..layers.len() {
+        if is_met[first] || layers[first].is_none() {
+            continue;
+        }
+        is_met[first] = true;
+        let mut cells = vec![first];
+        let mut next = 0;
+        while let Some(&cell) = cells.get(next) {
+            next += 1;
+            for other in window(cloth.size(), cell, NEXT) {
+                let is_next = layers[cell].zip(layers[other]).is_some_and(|(a, b)| goes_on(a, b));
+                if is_next && !is_met[other] {
+                    is_met[other] = true;
+                    cells.push(other);
+                }
+            }
+        }
+        if cells.len() < least {
+            for cell in cells {
+                layers[cell] = None;
+            }
+        }
+    }
+}
+
+/// How far above its middle points are on the ground: by the spread of those below, among which no grass is.
+fn tolerance_m(heights_m: &[Option<f64>]) -> f64 {
+    let below = heights_m.iter().flatten().filter(|height| (-BELOW_M..0.0).contains(*height));
+    let spread_m = median(below.map(|height| -height)).map_or(0.0, |off_m| super::circle::SD_PER_MAD * off_m);
+    (SPREADS * spread_m).clamp(TOLERANCE_M[0], TOLERANCE_M[1])
+}
+
+/// A plane that is not upright.
+struct Plane {
+    middle: DVec3,
+    /// Along x and z.
+    slope: [f64; 2],
+}
+
+impl Plane {
+    /// Through places, by least squares; level where they lie on one line. `None` of none.
+    fn through(places: &[DVec3]) -> Option<Self> {
+        let middle = places.iter().copied().reduce(|a, b| a + b)? / places.len() as f64;
+        let (mut xx, mut xz, mut zz, mut xy, mut zy) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for &p in places {
+            let off = p - middle;
+            (xx, xz, zz) = (xx + off.x * off.x, xz + off.x * off.z, zz + off.z * off.z);
+            (xy, zy) = (xy + off.x * off.y, zy + off.z * off.y);
+        }
+        let determinant = xx * zz - xz * xz;
+        let is_line = determinant <= 0.01 * xx * zz;
+        let slope =
+            [(xy * zz - zy * xz), (zy * xx - xy * xz)].map(|d| if is_line { 0.0 } else { d / determinant });
+        Some(Self { middle, slope })
+    }
+
+    fn height_m(&self, p: DVec3) -> f64 {
+        self.middle.y + self.slope[0] * (p.x - self.middle.x) + self.slope[1] * (p.z - self.middle.z)
+    }
+}
+
+/// Points of the ground whose median is its height at a place.
+const GROUND_POINTS: usize = 9;
+
+/// And how far around it points tell how it rises there, metres.
+const SLOPE_M: f64 = 2.0;
+
+/// The height of the ground at a place: the median of the points on it (metres, Y up) that are nearest to its plumb line, carried
+/// along the slope of the ground around: those beside a stem may all lie uphill of it.
+pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
+    let away = |p: &DVec3| (p.x - at.x) * (p.x - at.x) + (p.z - at.z) * (p.z - at.z);
+    let by_place = |a: &DVec3, b: &DVec3| {
+        let level = away(a).total_cmp(&away(b)).then(a.y.total_cmp(&b.y));
+        level.then(a.x.total_cmp(&b.x)).then(a.z.total_cmp(&b.z))
+    };
+    let mut near: Vec<DVec3> = ground.iter().copied().filter(|p| away(p) <= SLOPE_M * SLOPE_M).collect();
+    near.sort_unstable_by(by_place);
+    let plane = Plane::through(&near).filter(|_| near.len() >= GROUND_POINTS);
+    if near.len() < GROUND_POINTS {
+        near = ground.to_vec();
+        near.sort_unstable_by(by_place);
+    }
+    near.truncate(GROUND_POINTS);
+    let carried =
+        |p: &DVec3| p.y + plane.as_ref().map_or(0.0, |plane| plane.height_m(at) - plane.height_m(*p));
+    median(near.iter().map(carried))
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_base::monitor::Quiet;
+    use linden_base::random::Key;
+
+    use super::*;
+
+    fn unit(name: &str, i: u64) -> f64 {
+        Key::new(4).named(name).child(i).unit()
+    }
+
+    /// From -1 to 1, more often near 0, with a standard deviation of 0.41.
+    fn noise(name: &str, i: u64) -> f64 {
+        unit(name, 2 * i) + unit(name, 2 * i + 1) - 1.0
+    }
+
+    /// Bark of a stem of 9 m with limbs, upright on the origin: `from_m` above it at least.
+    fn tree(from_m: f64) -> Vec<DVec3> {
+        let stem = (0..9000).map(|i| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit("turn", i));
+            let h = 9.0 * unit("up", i);
+            let r = 0.16 - 0.015 * h;
+            DVec3::new(r * cos, h, r * sin)
+        });
+        let limbs = (0..9000).map(|i| {
+            let (sin, cos) = libm::sincos(2.4 * (i % 16) as f64);
+            let (turn, out) = (libm::sincos(7.0 * unit("turn", i)), 2.5 * unit("out", i));
+            DVec3::new(out * cos + 0.03 * turn.0, 3.0 + 0.3 * (i % 16) as f64 + 0.4 * out, out * sin)
+                + DVec3::Y * 0.03 * turn.1
+        });
+        stem.chain(limbs).filter(|p| p.y >= from_m).collect()
+    }
+
+    /// Ground around it that rises along x by `degrees`, with noise.
+    fn ground(degrees: f64, noise_m: f64) -> Vec<DVec3> {
+        let rise = libm::tan(degrees.to_radians());
+        let place = |i: u64| [unit("x", i), unit("z", i)].map(|at| 12.0 * at - 6.0);
+        let on = |(i, [x, z]): (u64, [f64; 2])| DVec3::new(x, rise * x + noise_m * noise("rough", i), z);
+        let is_free = |(_, [x, z]): &(u64, [f64; 2])| x * x + z * z > 0.03;
+        (0..14_000).map(|i| (i, place(i))).filter(is_free).map(on).collect()
+    }
+
+    fn found(points: &[DVec3]) -> Option<Ground> {
+        Ground::find(points, &Quiet).unwrap()
+    }
+
+    #[test]
+    fn slopes_and_rough_ground_are_told_from_the_tree() {
+        for (degrees, noise_m) in
+            [(0.0, 0.0), (15.0, 0.01), (25.0, 0.02), (30.0, 0.05), (-20.0, 0.2), (0.0, 0.25)]
+        {
+            let (on, tree) = (ground(degrees, noise_m), tree(0.0));
+            let found = found(&[&on[..], &tree].concat()).expect("ground");
+            let taken = found.is_ground[..on.len()].iter().filter(|mark| **mark).count();
+            assert!(taken as f64 > 0.985 * on.len() as f64, "{degrees}, {noise_m}: {taken} of {}", on.len());
+            let lost = tree.iter().zip(&found.is_ground[on.len()..]).filter(|(p, mark)| **mark && p.y > 0.35);
+            assert_eq!(lost.count(), 0, "{degrees}, {noise_m}");
+            let height = ground_height(&found.points, DVec3::ZERO).unwrap();
+            assert!(height.abs() < 0.01 + 0.08 * noise_m, "{degrees}, {noise_m}: {height}");
+            assert!(
+                (found.rise - libm::tan(degrees.to_radians()).abs()).abs() < 0.03,
+                "{degrees}: {}",
+                found.rise
+            );
+        }
+    }
+
+    #[test]
+    fn what_has_no_ground_loses_nothing() {
+        assert!(found(&tree(0.0)).is_none());
+        assert!(found(&ground(10.0, 0.02)).is_none(), "ground without a tree");
+        assert!(found(&[]).is_none());
+        // Low boughs all around, at the height of a hand, and the foot of the stem below them.
+        let boughs = (0..6000).map(|i| {
+            let (sin, cos) = libm::sincos(2.0 * std::f64::consts::PI * unit("a", i));
+            let out = 3.0 * unit("b", i).sqrt();
+            DVec3::new(out * cos, 0.6 + 0.5 * unit("c", i), out * sin)
+        });
+        let spruce: Vec<DVec3> = boughs.chain(tree(0.0)).collect();
+        assert!(found(&spruce).is_none());
+    }
+
+    #[test]
+    fn the_order_of_points_changes_nothing() {
+        let points = [ground(12.0, 0.05), tree(0.0)].concat();
+        let backwards: Vec<DVec3> = points.iter().rev().copied().collect();
+        let (one, mut other) = (found(&points).unwrap(), found(&backwards).unwrap());
+        other.is_ground.reverse();
+        assert_eq!((one.is_ground, one.points), (other.is_ground, other.points));
+    }
+
+    #[test]
+    fn beside_a_stem_the_ground_is_as_high_as_below_it() {
+        // Seen uphill of a thick stem only.
+        let seen: Vec<DVec3> = ground(25.0, 0.0).into_iter().filter(|p| p.x > 0.5).collect();
+        let height = ground_height(&seen, DVec3::ZERO).unwrap();
+        assert!(height.abs() < 0.01, "{height}");
+        assert_eq!(ground_height(&[], DVec3::ZERO), None);
+        assert_eq!(ground_height(&[DVec3::Y], DVec3::ZERO), Some(1.0));
+    }
+}
