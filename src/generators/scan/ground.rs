@@ -67,7 +67,7 @@ pub(crate) const BYTES_PER_POINT: u64 = 96;
 /// The ground of a cloud.
 pub(crate) struct Ground {
     /// For each point whether it is on the ground or below it.
-    pub is_ground: Vec<bool>,
+    pub marks: Vec<bool>,
     /// In the middle of its layer, one for each cell that shows it.
     pub points: Vec<DVec3>,
     /// How much it rises, 1 for 45°.
@@ -94,7 +94,7 @@ impl Ground {
         let is_surface = under as f64 <= MOST_UNDER * on as f64;
         let rows = points.iter().zip(&is_ground);
         let rest: Vec<DVec3> = rows.filter(|(_, is_ground)| !**is_ground).map(|(p, _)| *p).collect();
-        let found = Self { is_ground, points: surface.middles(), rise: surface.rise() };
+        let found = Self { marks: is_ground, points: surface.middles(), rise: surface.rise() };
         Ok((is_surface && found.bears(&rest)).then_some(found))
     }
 
@@ -379,9 +379,9 @@ mod tests {
         {
             let (on, tree) = (ground(degrees, noise_m), tree(0.0));
             let found = found(&[&on[..], &tree].concat()).expect("ground");
-            let taken = found.is_ground[..on.len()].iter().filter(|mark| **mark).count();
+            let taken = found.marks[..on.len()].iter().filter(|mark| **mark).count();
             assert!(taken as f64 > 0.985 * on.len() as f64, "{degrees}, {noise_m}: {taken} of {}", on.len());
-            let lost = tree.iter().zip(&found.is_ground[on.len()..]).filter(|(p, mark)| **mark && p.y > 0.35);
+            let lost = tree.iter().zip(&found.marks[on.len()..]).filter(|(p, mark)| **mark && p.y > 0.35);
             assert_eq!(lost.count(), 0, "{degrees}, {noise_m}");
             let height = ground_height(&found.points, DVec3::ZERO).unwrap();
             assert!(height.abs() < 0.01 + 0.08 * noise_m, "{degrees}, {noise_m}: {height}");
@@ -413,8 +413,8 @@ mod tests {
         let points = [ground(12.0, 0.05), tree(0.0)].concat();
         let backwards: Vec<DVec3> = points.iter().rev().copied().collect();
         let (one, mut other) = (found(&points).unwrap(), found(&backwards).unwrap());
-        other.is_ground.reverse();
-        assert_eq!((one.is_ground, one.points), (other.is_ground, other.points));
+        other.marks.reverse();
+        assert_eq!((one.marks, one.points), (other.marks, other.points));
     }
 
     #[test]

@@ -272,7 +272,7 @@ pub fn prepare_distinct(
     let spacing_m = spacing_m(points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
     monitor.check()?;
     let feet = stems::feet(points, rule.stems, monitor)?;
-    let feet: Vec<Foot> = feet.into_iter().map(|foot| foot.on_ground(ground)).collect();
+    let mut feet: Vec<Foot> = feet.into_iter().map(|foot| foot.on_ground(ground)).collect();
     let foot = &feet[0];
     let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
     let ground_points = points.len() - bark.len();
@@ -295,7 +295,7 @@ pub fn prepare_distinct(
     let thinned = cubes.means.clone();
     // Which points are in which cube takes memory, and is for leaves alone.
     let cubes = rule.leaf_points.are_told(is_leaf.is_some()).then_some(cubes);
-    let (feet, trunks) = standing(feet, &bark, ground, spacing_m, monitor)?;
+    let trunks = standing(&mut feet, &bark, ground, spacing_m, monitor)?;
     let foot = &feet[0];
     let graph = Graph::linked(thinned, nearest, REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
@@ -378,14 +378,14 @@ const MOVED_M: f64 = 0.01;
 
 /// The trunks that stand on feet, and the feet below them: on a slope the lowest points of a stem are on one side of it.
 fn standing(
-    mut feet: Vec<Foot>,
+    feet: &mut [Foot],
     bark: &[DVec3],
     ground: &[DVec3],
     spacing_m: f64,
     monitor: &dyn Monitor,
-) -> Result<(Vec<Foot>, Vec<(DVec3, Trunk)>), Cancelled> {
+) -> Result<Vec<(DVec3, Trunk)>, Cancelled> {
     let mut trunks = Vec::new();
-    for foot in &mut feet {
+    for foot in feet {
         let Some(mut trunk) = Trunk::follow(bark, foot, spacing_m, monitor)? else { continue };
         let below = foot.moved_below(trunk.foot()).on_ground(ground);
         if (below.root.y - foot.root.y).abs() > MOVED_M
@@ -395,7 +395,7 @@ fn standing(
         }
         trunks.push((foot.root, trunk));
     }
-    Ok((feet, trunks))
+    Ok(trunks)
 }
 
 /// The roots of these feet, that of the thickest trunk first: it is the one whose diameter is told, and stands on the origin.

@@ -123,17 +123,7 @@ pub(crate) fn at_points(
     recenter(&mut ground, origin);
     let given_root = settings.growth.given_root(up).map(|root| root - origin);
     if settings.contract && what == As::Settings {
-        let rule = ScanRule {
-            step_m: settings.growth.step_m,
-            noise_filter: settings.noise_filter,
-            leaf_points: settings.leaf_points,
-            // One place that is given is one stem.
-            stems: if given_root.is_some() {
-                Some(1)
-            } else {
-                settings.stems.map(|n| libm::round(n) as usize)
-            },
-        };
+        let rule = rule_of(settings, given_root.is_some());
         let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &ground, &rule, monitor)?;
         scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
         notes.extend(scan_notes(&scan, &rule));
@@ -190,6 +180,17 @@ pub(crate) fn at_points(
     Ok(Prepared { site, bark: None, leaf_points: 0, axes })
 }
 
+/// How settings want a scan to be made ready; one place that is given is one stem.
+fn rule_of(settings: &ScanSettings, is_root_given: bool) -> ScanRule {
+    let stems = settings.stems.map(|n| libm::round(n) as usize);
+    ScanRule {
+        step_m: settings.growth.step_m,
+        noise_filter: settings.noise_filter,
+        leaf_points: settings.leaf_points,
+        stems: if is_root_given { Some(1) } else { stems },
+    }
+}
+
 /// Takes the points of the ground out, where it shows in them and in `others`; places on it, and what is said of it.
 fn take_ground(
     points: &mut Vec<DVec3>,
@@ -205,10 +206,10 @@ fn take_ground(
         "thin the points out",
     )?;
     let Some(mut found) = Ground::find(&all, monitor)? else { return Ok(None) };
-    found.is_ground.truncate(count);
-    crate::retain_unmarked(points, &found.is_ground);
+    found.marks.truncate(count);
+    crate::retain_unmarked(points, &found.marks);
     if let Some(is_leaf) = is_leaf {
-        crate::retain_unmarked(is_leaf, &found.is_ground);
+        crate::retain_unmarked(is_leaf, &found.marks);
     }
     *ground = found.points;
     let rises = libm::atan(found.rise).to_degrees();
