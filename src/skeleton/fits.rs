@@ -25,7 +25,7 @@ pub struct RadiusFit {
     pub mad_m: f32,
     /// How much of the turn they cover.
     pub arc_rad: f32,
-    /// The standard error of the radius, metres, as far as noise goes.
+    /// The standard error of the radius, metres: by noise, by how circles nearby scatter, and by what no circle explains.
     pub se_m: f32,
     /// From the bark of the segment below to the nearest point, metres.
     pub gap_m: f32,

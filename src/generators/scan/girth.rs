@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use super::allometry::{Allometry, Looked, growth_lengths_m};
 use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD};
-use super::profile::{self, Ring};
+use super::profile::{self, Believed, Ring};
 use super::segments::{Nearest, Segments};
 use super::stretch::{ByNode, Seen, Station, Stretch};
 use linden_base::memory::bytes_of;
@@ -342,14 +342,14 @@ impl Round {
                 .zip(along_m)
                 .filter_map(|(&node, along_m)| Some(Ring { node, along_m, circle: self.believed(node)? }))
                 .collect();
-            for (Ring { node, circle, .. }, radius_m) in profile::of(&believed) {
+            for Believed { ring: Ring { node, circle, .. }, radius_m, se_m } in profile::of(&believed) {
                 seen[node as usize] = Some(radius_m);
                 fits[node as usize] = RadiusFit {
                     source: RadiusSource::Measured,
                     inliers: circle.inliers as u32,
                     mad_m: circle.mad_m as f32,
                     arc_rad: circle.arc_rad as f32,
-                    se_m: circle.se_m as f32,
+                    se_m: se_m as f32,
                     gap_m: 0.0,
                 };
             }

@@ -209,7 +209,7 @@ numbers! {
         "diameter at breast height: trunk_diameter_m, with a flare that reaches there but for a scan, where that is at 1.3 m, null for a shorter stem"
         ("West 2015, Tree and Forest Measurement") = |f| f.dbh_m();
     dbh_se_m: Option<f64>, Stem "its standard error" ["m"] Wood
-        "standard error of dbh_m, as far as noise and the part of the turn that was seen go, and not how well the stands of the scanner were registered with each other: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
+        "standard error of dbh_m: twice that of the radius at the nearest node, by the noise of its circle and the part of the turn that was seen, by how the circles above and below scatter, and by what no circle explains; null where that was not measured on a scan"
         ("Chernov 2010, Circular and Linear Regression") = |f| f.breast_fit.map(|fit| 2.0 * f64::from(fit.se_m));
     dbh_arc_deg: Option<f64>, Stem "seen of its turn" ["°"] Wood
         "how much of the turn the points of that circle cover; null where there is none"
