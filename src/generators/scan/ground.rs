@@ -31,6 +31,12 @@ const THIN_M: f64 = 0.2;
 /// The middle of the layer is no higher above the cloth, metres.
 const MOST_ABOVE_M: f64 = 0.75;
 
+/// The lowest tenth of a cell's points is so far below its layer as in other cells, metres more at most, and this part of that: else
+/// roots or grass are its layer, and the ground is what the lowest show.
+const LOWEST_PART: usize = 10;
+const RAISED_M: f64 = 0.03;
+const RAISED_PART: f64 = 0.5;
+
 /// The ground goes on from one cell to another so many cells away,
 const NEXT: usize = 2;
 
@@ -133,11 +139,28 @@ fn layers(points: &[DVec3], cloth: &Cloth) -> Vec<Layer> {
     let by_place = |a: &DVec3, b: &DVec3| a.x.total_cmp(&b.x).then(a.z.total_cmp(&b.z));
     low.sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then(by_place(&a.2, &b.2)));
     let mut layers = vec![None; columns * rows];
+    // How far the lowest of a cell are below its layer.
+    let mut deep_m = vec![0.0; layers.len()];
     for cell in low.chunk_by(|a, b| a.0 == b.0) {
         let middle = layer(cell).filter(|middle| middle.y - cloth.height_m(*middle) <= MOST_ABOVE_M);
+        let lowest_m = cell[cell.len() / LOWEST_PART].1;
+        deep_m[cell[0].0] = middle.map_or(0.0, |middle| middle.y - cloth.plane_m(middle) - lowest_m);
         layers[cell[0].0] = middle;
     }
+    put_down(&mut layers, &deep_m);
     layers
+}
+
+/// Puts layers of roots or grass down to where the lowest of their cells say that the ground is.
+fn put_down(layers: &mut [Layer], deep_m: &[f64]) {
+    let known = || layers.iter().zip(deep_m).filter(|(layer, _)| layer.is_some());
+    let Some(usual_m) = median(known().map(|(_, deep_m)| *deep_m)) else { return };
+    for (layer, deep_m) in layers.iter_mut().zip(deep_m) {
+        let raised_m = deep_m - usual_m;
+        if let Some(middle) = layer.as_mut().filter(|_| raised_m > RAISED_M.max(RAISED_PART * usual_m)) {
+            middle.y -= raised_m;
+        }
+    }
 }
 
 /// The middle of the thinnest layer that holds half of a cell's points, by height, if it is thin.
@@ -391,6 +414,19 @@ mod tests {
                 found.rise
             );
         }
+    }
+
+    #[test]
+    fn roots_that_hide_most_of_the_ground_around_a_stem_are_none() {
+        // Up to 1.5 m from the stem, 20 cm high there.
+        let roots = (0..3000).map(|i| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit("r", i));
+            let out = 0.2 + 1.3 * unit("o", i);
+            DVec3::new(out * cos, 0.2 * (1.5 - out) / 1.3, out * sin)
+        });
+        let points: Vec<DVec3> = roots.chain(ground(0.0, 0.004)).chain(tree(0.0)).collect();
+        let height = ground_height(&found(&points).unwrap().points, DVec3::ZERO).unwrap();
+        assert!(height.abs() < 0.015, "{height}");
     }
 
     #[test]
