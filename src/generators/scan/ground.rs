@@ -6,7 +6,8 @@
 //! 1. in a cell of the cloth at least half of what is near it lies in a thin layer;
 //! 2. such cells hang together, over some square metres, as heights of a surface do;
 //! 3. next to nothing is below them;
-//! 4. a stem stands among them.
+//! 4. most of it is open: no more points are up to some way above it than on it;
+//! 5. a stem stands among them.
 //!
 //! Where one of these does not hold, the cloud has no ground, and nothing is taken from it. Else what lies within the spread of the
 //! layer around its middle, or below, is ground. A cell whose middle stems or grass hide is like those beside it.
@@ -52,6 +53,11 @@ const UNDER_M: f64 = 0.2;
 
 /// is this part of the points on it at most.
 const MOST_UNDER: f64 = 0.02;
+
+/// Of the cells with points near it, so many are open, as a part: not more is up to so many metres above it than on it. Above the lowest boughs
+/// of a crown are others.
+const LEAST_OPEN: f64 = 0.75;
+const OPEN_M: f64 = 1.5;
 
 /// What stands on the ground is so high, metres, at least.
 const LEAST_TREE_M: f64 = 1.0;
@@ -100,8 +106,9 @@ impl Ground {
         let is_surface = under as f64 <= MOST_UNDER * on as f64;
         let rows = points.iter().zip(&is_ground);
         let rest: Vec<DVec3> = rows.filter(|(_, is_ground)| !**is_ground).map(|(p, _)| *p).collect();
+        let is_open = surface.open_part(points, &heights_m, tolerance_m) >= LEAST_OPEN;
         let found = Self { marks: is_ground, points: surface.middles(), rise: surface.rise() };
-        Ok((is_surface && found.bears(&rest)).then_some(found))
+        Ok((is_surface && is_open && found.bears(&rest)).then_some(found))
     }
 
     /// Whether what is not on the ground stands on it.
@@ -239,6 +246,21 @@ impl<'a> Surface<'a> {
     fn middles(&self) -> Vec<DVec3> {
         let on = |p: &DVec3| Some(p.with_y(p.y - self.height_above_m(*p)?));
         self.layers.iter().flatten().filter_map(on).collect()
+    }
+
+    /// The part of the cells with points near it in which not more of them are some way above it than on it.
+    fn open_part(&self, points: &[DVec3], heights_m: &[Option<f64>], tolerance_m: f64) -> f64 {
+        let [columns, _] = self.cloth.size();
+        let mut on_above = vec![[0_u32; 2]; self.layers.len()];
+        for (p, height_m) in points.iter().zip(heights_m) {
+            let [column, row] = self.cloth.place(*p);
+            if let Some(height_m) = height_m.filter(|height| *height < OPEN_M) {
+                on_above[row * columns + column][usize::from(height_m > tolerance_m)] += 1;
+            }
+        }
+        let seen = || on_above.iter().filter(|[on, above]| on + above > 0);
+        let open = seen().filter(|[on, above]| above <= on).count();
+        open as f64 / seen().count().max(1) as f64
     }
 
     fn rise(&self) -> f64 {
@@ -439,6 +461,19 @@ mod tests {
             let (sin, cos) = libm::sincos(2.0 * std::f64::consts::PI * unit("a", i));
             let out = 3.0 * unit("b", i).sqrt();
             DVec3::new(out * cos, 0.6 + 0.5 * unit("c", i), out * sin)
+        });
+        let spruce: Vec<DVec3> = boughs.chain(tree(0.0)).collect();
+        assert!(found(&spruce).is_none());
+    }
+
+    #[test]
+    fn boughs_that_hang_to_the_ground_are_none() {
+        // Whorls one above another, each as thin as grass, the lowest at the foot of the stem.
+        let boughs = (0..20_000).map(|i| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * unit("a", i));
+            let (whorl, out) = ((i % 8) as f64, unit("b", i).sqrt());
+            let h = 0.05 + 0.4 * whorl + 0.05 * unit("c", i);
+            DVec3::new((2.8 - 0.2 * whorl) * out * cos, h, (2.8 - 0.2 * whorl) * out * sin)
         });
         let spruce: Vec<DVec3> = boughs.chain(tree(0.0)).collect();
         assert!(found(&spruce).is_none());
