@@ -1,8 +1,9 @@
 //! The cylinder table, read as any CSV reader would, is the tree: for every built-in preset.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 use std::f64::consts::PI;
 use std::fs;
+use std::rc::Rc;
 use std::sync::Arc;
 
 use linden::grow::grow;
@@ -12,11 +13,14 @@ use linden::{DVec3, NO_PARENT, Quiet, Skeleton};
 use linden_tests::fixtures::{RECIPE, export, scene};
 use linden_tests::presets::recipe;
 
-struct Row(BTreeMap<String, f64>);
+struct Row {
+    columns: Rc<HashMap<String, usize>>,
+    fields: Vec<f64>,
+}
 
 impl Row {
     fn number(&self, column: &str) -> f64 {
-        self.0[column]
+        self.fields[self.columns[column]]
     }
 
     fn index(&self, column: &str) -> usize {
@@ -38,11 +42,12 @@ impl Row {
 fn read(text: &str) -> (Vec<&str>, Vec<Row>) {
     let comments: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# ")).collect();
     let mut lines = text.lines().skip(comments.len());
-    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let header = lines.next().unwrap().split(',').map(str::to_owned);
+    let columns: Rc<HashMap<String, usize>> = Rc::new(header.zip(0..).collect());
     let row = |line: &str| {
         let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
-        assert_eq!(fields.len(), header.len(), "{line}");
-        Row(header.iter().map(|&column| column.to_owned()).zip(fields).collect())
+        assert_eq!(fields.len(), columns.len(), "{line}");
+        Row { columns: Rc::clone(&columns), fields }
     };
     (comments, lines.map(row).collect())
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::clusters::Cut;
 use super::frame::Frame;
 use super::grain::Grain;
+use super::laterals::Laterals;
 use super::{PLANES, Pieces};
 use crate::detail::DetailError;
 use crate::detail::drawing::{
@@ -121,10 +122,9 @@ pub(super) fn draw<'a>(
     let models: Vec<(&Pieces, u32, &Frame)> = models.collect();
     let (mut drawn, sights) = built(&models, specimen, body, wardrobe, (&mut materials, grain), monitor)?;
     let sheet = Sheet::new(&sights, size_px);
-    // Twigs alone would be denser than they are.
-    if !body.organs.is_empty() {
-        thicken(&mut drawn, &models, &sights, sheet.scale, body.skeleton);
-    }
+    // Where nothing else is shown, fewer wide twigs cover what all thin ones do.
+    let laterals = body.organs.is_empty().then(|| Laterals::of(body.skeleton));
+    thicken(&mut drawn, &models, &sights, sheet.scale, body.skeleton, laterals.as_ref());
     let size = Pixels::new(size_px, size_px);
     // Of the cells that are drawn at once, samples and what becomes of them.
     let mut largest: Vec<usize> = sights.iter().map(|sight| sheet.pixels(sight).area()).collect();
@@ -298,7 +298,7 @@ fn model(
     let organs = Arc::new(selected(body.organs, is_in, |_| scale));
     let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
     let thickest_m = frame.radius_m * thickest;
-    let mut parts = vec![(WOOD, wood(body.skeleton, piece, [0.0, thickest_m], level))];
+    let mut parts = vec![(WOOD, wood(body.skeleton, of_piece(level, piece), [0.0, thickest_m], level))];
     let (found, foliage) =
         wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
     for part in foliage {
@@ -324,12 +324,17 @@ fn thicken(
     sights: &[Sight],
     scale: f32,
     skeleton: &Skeleton,
+    laterals: Option<&Laterals>,
 ) {
     for sight in sights.iter().step_by(PLANES) {
         let (level, piece, frame) = models[sight.model];
         let model = &mut drawn[sight.model];
         let thinnest_m = TWIG_PX / 2.0 * frame.radius_m / (scale * sight.share);
-        let mut mesh = wood(skeleton, piece, [thinnest_m, model.thickest_m], level);
+        let nodes = laterals.map_or_else(
+            || of_piece(level, piece).collect(),
+            |laterals| laterals.thinned_out(skeleton, of_piece(level, piece), thinnest_m),
+        );
+        let mut mesh = wood(skeleton, nodes, [thinnest_m, model.thickest_m], level);
         to_frame(&mut mesh, frame);
         if let Some((_, wood)) = model.parts.first_mut() {
             *wood = mesh;
@@ -347,10 +352,21 @@ fn to_frame(mesh: &mut Mesh, frame: &Frame) {
     }
 }
 
+/// The nodes of a piece.
+fn of_piece(level: &Pieces, piece: u32) -> impl Iterator<Item = usize> {
+    let pieces = level.cut.piece_of.iter().enumerate();
+    pieces.filter(move |(_, of)| **of == piece).map(|(node, _)| node)
+}
+
 /// Thin wood as prisms without ends, no thinner than the first radius and without what is thicker than the other.
-fn wood(skeleton: &Skeleton, piece: u32, [thinnest_m, thickest_m]: [f32; 2], level: &Pieces) -> Mesh {
+fn wood(
+    skeleton: &Skeleton,
+    nodes: impl IntoIterator<Item = usize>,
+    [thinnest_m, thickest_m]: [f32; 2],
+    level: &Pieces,
+) -> Mesh {
     let mut mesh = Mesh::default();
-    for (node, _) in level.cut.piece_of.iter().enumerate().filter(|(_, of)| **of == piece) {
+    for node in nodes {
         let parent = skeleton.parents[node];
         if parent == NO_PARENT || !level.is_thin[node] || skeleton.radii[node] > thickest_m {
             continue;

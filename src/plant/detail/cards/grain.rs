@@ -40,6 +40,10 @@ pub(super) struct Grain {
 impl Grain {
     /// What suits the finest of some levels, on a picture of `size_px` pixels a side.
     pub fn of(levels: &[Pieces], specimen: &Specimen<'_>, organs: &Organs, size_px: u32) -> Self {
+        // Bare twigs are as fine.
+        if organs.is_empty() {
+            return Self { cards: FEWEST_FINE, needle_scale: 1.0, is_fine: true };
+        }
         let needle = levels.first().and_then(|level| Some(needle_m(specimen, organs)? / level.radius_m()?));
         needle.map_or(Self { cards: MOST_CARDS, needle_scale: 1.0, is_fine: false }, |needle| {
             Self::of_needles(needle, levels.len(), size_px)

@@ -10,6 +10,7 @@ mod deck;
 mod draw;
 mod frame;
 mod grain;
+mod laterals;
 #[cfg(test)]
 mod tests;
 
