@@ -49,12 +49,9 @@ pub(crate) enum MossSteps {
 }
 
 impl MossSteps {
-    /// A level of fewer triangles has no moss.
-    const LEAST_TRIANGLES: u64 = 5000;
-
     /// Of a level of detail within a budget of triangles.
     pub const fn within(triangles: u64) -> Self {
-        if triangles < Self::LEAST_TRIANGLES { Self::None } else { Self::Most }
+        if triangles < MossSettings::LEAST_TRIANGLES { Self::None } else { Self::Most }
     }
 }
 

@@ -13,7 +13,7 @@ use crate::foliage::{Calendar, Organs, sprout};
 use crate::moss::MossSteps;
 use crate::scene::Scene;
 use crate::season::Season;
-use crate::settings::{DetailSettings, Dressing, FoliageSettings, Form, LeafKind};
+use crate::settings::{DetailSettings, Dressing, FoliageSettings, Form, LeafKind, MossSettings};
 use crate::stage::{self, Stage};
 use crate::surface::{Tubes, bends};
 use crate::wind::{Blown, Field};
@@ -207,8 +207,19 @@ fn note_on_billboard(detail: &DetailSettings, levels: &[Level]) -> Option<String
 #[derive(Clone, Copy, Debug)]
 struct Budget {
     triangles: u64,
-    /// By the user; what levels get that are a share of the finest is not.
-    is_asked: bool,
+    /// How many the user asked for, which may be more than there are; levels that get a share of the finest have none.
+    asked: Option<u64>,
+}
+
+impl Budget {
+    /// How much moss a level has that has the whole tree or less.
+    fn moss(self, is_whole: bool) -> MossSteps {
+        match (is_whole, self.asked) {
+            (true, Some(asked)) if asked >= MossSettings::LEAST_TRIANGLES => MossSteps::All,
+            (true, None) => MossSteps::All,
+            (_, asked) => MossSteps::within(asked.unwrap_or(self.triangles)),
+        }
+    }
 }
 
 /// A budget is met within this share of it, as the knob `triangles` says.
@@ -216,7 +227,7 @@ const NEAR_BUDGET: f64 = 0.05;
 
 /// Says which budgets were not met. What is more than the whole tree has was made less before, and is said elsewhere.
 fn unmet(budgets: &[Budget], found: impl IntoIterator<Item = usize>) -> Vec<String> {
-    let asked = budgets.iter().zip(found).filter(|(budget, _)| budget.is_asked);
+    let asked = budgets.iter().zip(found).filter(|(budget, _)| budget.asked.is_some());
     asked
         .map(|(budget, found)| (budget.triangles, found as u64))
         .filter(|&(budget, found)| budget.abs_diff(found) as f64 > NEAR_BUDGET * budget as f64)
@@ -291,7 +302,7 @@ impl Plan {
             for (number, &budget) in budgets[most..].iter().enumerate() {
                 let simplifier = simplifier.in_level(foliage, number, monitor)?;
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
-                solved.push(Budget { triangles: budget.min(full), is_asked: true });
+                solved.push(Budget { triangles: budget.min(full), asked: Some(budget) });
                 are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
                 notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
             }
@@ -313,7 +324,8 @@ impl Plan {
                 break;
             }
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
-            solved.push(Budget { triangles: budget, is_asked: level == 0 && detail.triangles > 0 });
+            let asked = (level == 0 && detail.triangles > 0).then_some(detail.triangles);
+            solved.push(Budget { triangles: budget, asked });
             are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
             let number = level as usize;
             notes.extend(simplifier.note_on_cards(number, &details[number], detail.branch_cards));
@@ -407,9 +419,7 @@ impl Plan {
                         (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
                         carded += 1;
                     }
-                    if *level != Detail::full(tubes) {
-                        worn = worn.with_moss(MossSteps::within(self.budgets[number].triangles));
-                    }
+                    worn = worn.with_moss(self.budgets[number].moss(*level == Detail::full(tubes)));
                     let mut scene = dressed(thin, &worn, field.as_ref(), specimen, body, &held)?;
                     if level.card_m > 0.0 {
                         // Whatever stands for them, these are the tree's.
@@ -522,8 +532,8 @@ mod tests {
 
     #[test]
     fn a_budget_is_met_within_a_twentieth() {
-        let asked = |triangles| Budget { triangles, is_asked: true };
-        let shared = |triangles| Budget { triangles, is_asked: false };
+        let asked = |triangles| Budget { triangles, asked: Some(triangles) };
+        let shared = |triangles| Budget { triangles, asked: None };
         assert_eq!(unmet(&[asked(20_000), shared(5000)], [19_964, 6_700]), Vec::<String>::new());
         assert_eq!(unmet(&[asked(500)], [525]), Vec::<String>::new());
         assert_eq!(unmet(&[asked(500)], [640]), ["a budget of 500 triangles was not met: 640 are written"]);

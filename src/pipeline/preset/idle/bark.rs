@@ -1,6 +1,6 @@
 //! Knobs of `[bark]` that change nothing.
 
-use linden_plant::settings::Dressing;
+use linden_plant::settings::{Dressing, MossSettings};
 use linden_plant::surface::Junction;
 use linden_plant::wind::Wind;
 
@@ -52,6 +52,16 @@ pub(super) static RULES: &[Rule] = &[
     Rule {
         knobs: &["moss", "moss_side", "moss_height", "moss_radius", "moss_color"],
         why: |preset| when(preset.dressing.tubes.junction == Junction::Watertight, ONE_BARK),
+    },
+    Rule {
+        knobs: &["moss", "moss_side", "moss_height", "moss_radius", "moss_color"],
+        why: |preset| {
+            let finest = preset.dressing.detail.finest();
+            when(
+                (1..MossSettings::LEAST_TRIANGLES).contains(&finest),
+                "levels of fewer than 5000 triangles have none",
+            )
+        },
     },
     Rule {
         knobs: &["bark_relief_height"],
