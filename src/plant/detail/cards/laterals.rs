@@ -84,7 +84,7 @@ mod tests {
             };
             nodes.map(area).sum()
         };
-        for thinnest_m in [0.002, 0.004, 0.008] {
+        for thinnest_m in [0.004, 0.008, 0.016] {
             let shown = laterals.thinned_out(&skeleton, 0..skeleton.positions.len(), thinnest_m);
             assert!(shown.is_sorted() && shown.len() > 100, "{thinnest_m}: {}", shown.len());
             let mut is_shown = vec![false; skeleton.positions.len()];
