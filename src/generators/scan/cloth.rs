@@ -9,6 +9,8 @@
 use glam::DVec3;
 use linden_base::monitor::{Cancelled, Monitor};
 
+use super::plane::Plane;
+
 /// Sides of cells, metres, where there are not too many of them.
 const CELL_M: f64 = 0.5;
 
@@ -33,6 +35,9 @@ const ROUNDS: usize = 4000;
 
 /// Cells that the slope of the whole is told by are so many times as wide: in each of them some ground is seen.
 const COARSER: usize = 10;
+
+/// Lowest points on one line tell no slope: see [`Plane::through`].
+const ON_A_LINE: f64 = 1e-6;
 
 /// Its heights on a grid.
 pub(crate) struct Cloth {
@@ -172,18 +177,7 @@ impl Cloth {
             *wide = Some(wide.filter(|wide| wide.y <= p.y).unwrap_or(p));
         }
         let places: Vec<DVec3> = wide.into_iter().flatten().collect();
-        let middle = places.iter().sum::<DVec3>() / places.len().max(1) as f64;
-        let (mut xx, mut xz, mut zz, mut xy, mut zy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for p in places {
-            let off = p - middle;
-            (xx, xz, zz) = (xx + off.x * off.x, xz + off.x * off.z, zz + off.z * off.z);
-            (xy, zy) = (xy + off.x * off.y, zy + off.z * off.y);
-        }
-        let determinant = xx * zz - xz * xz;
-        if determinant <= 1e-6 * xx * zz {
-            return [0.0; 2];
-        }
-        [(xy * zz - zy * xz) / determinant, (zy * xx - xy * xz) / determinant]
+        Plane::through(&places, ON_A_LINE).map_or([0.0; 2], |plane| plane.slope)
     }
 
     /// From the lowest points to the cloth that hangs below them.

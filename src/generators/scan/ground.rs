@@ -18,6 +18,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use super::cloth::Cloth;
 use super::foot::Foot;
 use super::median::median;
+use super::plane::Plane;
 
 /// The layer is looked for so far above the cloth, metres, and so far below, where strays are.
 const REACH_M: f64 = 1.0;
@@ -45,7 +46,7 @@ const NEXT: usize = 2;
 const STEP_M: f64 = 0.15;
 const STEP_PER_M: f64 = 0.2;
 
-/// Ground that hangs together, square metres at least: 12 cells.
+/// Ground that hangs together, square metres at least.
 const LEAST_M2: f64 = 3.0;
 
 /// What is so far below the ground, metres,
@@ -72,6 +73,9 @@ const FILLED: usize = 3;
 /// Points on the ground lie within so many standard deviations of its middle, metres from and to.
 const SPREADS: f64 = 3.0;
 const TOLERANCE_M: [f64; 2] = [0.03, 0.3];
+
+/// Points on one line tell no slope: see [`Plane::through`].
+const ON_A_LINE: f64 = 0.01;
 
 /// While it is looked for, for each point: its place, its height and its layer.
 pub(crate) const BYTES_PER_POINT: u64 = 96;
@@ -108,11 +112,12 @@ impl Ground {
         let rest: Vec<DVec3> = rows.filter(|(_, is_ground)| !**is_ground).map(|(p, _)| *p).collect();
         let is_open = surface.open_part(points, &heights_m, tolerance_m) >= LEAST_OPEN;
         let found = Self { marks: is_ground, points: surface.middles(), rise: surface.rise() };
-        Ok((is_surface && is_open && found.bears(&rest)).then_some(found))
+        let cell_m2 = cloth.cell_m() * cloth.cell_m();
+        Ok((is_surface && is_open && found.bears(&rest, cell_m2)).then_some(found))
     }
 
-    /// Whether what is not on the ground stands on it.
-    fn bears(&self, rest: &[DVec3]) -> bool {
+    /// Whether what is not on the ground stands on it; each of its points is that of a cell of so many square metres.
+    fn bears(&self, rest: &[DVec3], cell_m2: f64) -> bool {
         if rest.is_empty() {
             return false;
         }
@@ -121,12 +126,9 @@ impl Ground {
         let around = self.points.iter().filter(away).count() as f64;
         let Some(height) = ground_height(&self.points, foot.root) else { return false };
         let top = foot.root.y + foot.height_m - height;
-        around * LEAST_M2 / LEAST_CELLS as f64 >= LEAST_AROUND_M2 && top >= LEAST_TREE_M
+        around * cell_m2 >= LEAST_AROUND_M2 && top >= LEAST_TREE_M
     }
 }
-
-/// Cells of 0.5 m that [`LEAST_M2`] are.
-const LEAST_CELLS: usize = 12;
 
 /// What a cell shows of the ground: the middle of its layer.
 type Layer = Option<DVec3>;
@@ -196,7 +198,7 @@ impl<'a> Surface<'a> {
     fn of(mut layers: Vec<Layer>, cloth: &'a Cloth) -> Option<Self> {
         keep_wide(&mut layers, cloth);
         let seen: Vec<DVec3> = layers.iter().flatten().copied().collect();
-        let plane = Plane::through(&seen)?;
+        let plane = Plane::through(&seen, ON_A_LINE)?;
         let levels_m = layers.iter().map(|layer| layer.map(|p| p.y - plane.height_m(p))).collect();
         let mut surface = Self { cloth, plane, layers, levels_m };
         surface.smooth();
@@ -315,35 +317,6 @@ fn tolerance_m(heights_m: &[Option<f64>]) -> f64 {
     (SPREADS * spread_m).clamp(TOLERANCE_M[0], TOLERANCE_M[1])
 }
 
-/// A plane that is not upright.
-struct Plane {
-    middle: DVec3,
-    /// Along x and z.
-    slope: [f64; 2],
-}
-
-impl Plane {
-    /// Through places, by least squares; level where they lie on one line. `None` of none.
-    fn through(places: &[DVec3]) -> Option<Self> {
-        let middle = places.iter().copied().reduce(|a, b| a + b)? / places.len() as f64;
-        let (mut xx, mut xz, mut zz, mut xy, mut zy) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for &p in places {
-            let off = p - middle;
-            (xx, xz, zz) = (xx + off.x * off.x, xz + off.x * off.z, zz + off.z * off.z);
-            (xy, zy) = (xy + off.x * off.y, zy + off.z * off.y);
-        }
-        let determinant = xx * zz - xz * xz;
-        let is_line = determinant <= 0.01 * xx * zz;
-        let slope =
-            [(xy * zz - zy * xz), (zy * xx - xy * xz)].map(|d| if is_line { 0.0 } else { d / determinant });
-        Some(Self { middle, slope })
-    }
-
-    fn height_m(&self, p: DVec3) -> f64 {
-        self.middle.y + self.slope[0] * (p.x - self.middle.x) + self.slope[1] * (p.z - self.middle.z)
-    }
-}
-
 /// Points of the ground whose median is its height at a place.
 const GROUND_POINTS: usize = 9;
 
@@ -360,7 +333,7 @@ pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
     };
     let mut near: Vec<DVec3> = ground.iter().copied().filter(|p| away(p) <= SLOPE_M * SLOPE_M).collect();
     near.sort_unstable_by(by_place);
-    let plane = Plane::through(&near).filter(|_| near.len() >= GROUND_POINTS);
+    let plane = Plane::through(&near, ON_A_LINE).filter(|_| near.len() >= GROUND_POINTS);
     if near.len() < GROUND_POINTS {
         near = ground.to_vec();
         near.sort_unstable_by(by_place);

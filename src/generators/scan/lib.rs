@@ -63,6 +63,7 @@ mod looks;
 mod median;
 mod neighbours;
 mod oval;
+mod plane;
 pub mod plot;
 mod points;
 mod profile;
