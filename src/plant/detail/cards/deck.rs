@@ -54,9 +54,9 @@ pub(in crate::detail) struct Deck {
 type Look = [f32; LOOK];
 
 impl Deck {
-    /// Chooses up to `most` prototypes, such that each piece is much like its own, or where it may, like that in a mirror: k-means over where foliage is (Lloyd
-    /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean. The top of a tree with
-    /// one leader, which is seen against the sky, stands for itself.
+    /// Chooses up to `most` prototypes, such that each piece is much like its own, or where it may, like that in a mirror:
+    /// k-means over where foliage is (Lloyd 1982), begun with pieces evenly chosen, ended with the piece nearest to each
+    /// mean. The top of a tree with one leader, which is seen against the sky, stands for itself.
     pub fn new(
         pieces: &Pieces,
         skeleton: &Skeleton,

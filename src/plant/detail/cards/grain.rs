@@ -1,4 +1,4 @@
-//! How fine foliage is in the pixels of its cards, and what follows from that: how many different cards there are, and how
+//! How fine foliage and bare twigs are in the pixels of its cards, and what follows from that: how many different cards there are, and how
 //! much wider needles are drawn than they are.
 //!
 //! In fewer pixels than a needle is wide, a spray of needles is a blot whose outline reads as a lobed leaf. Fewer cards have
@@ -32,8 +32,8 @@ pub(super) struct Grain {
     pub cards: usize,
     /// How many times wider needles are drawn, and fewer.
     pub needle_scale: f32,
-    /// Whether most of the foliage is needles: then each card is there in a mirror too, and those of further levels are
-    /// smaller.
+    /// Whether most of the foliage is needles, or bare twigs: then each card is there in a mirror too, and those of further levels
+    /// are smaller.
     pub is_fine: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Light that varies slowly repeats with the picture, and from afar a trunk has rings of light and dark, one above the
-//! other. It is taken out; what is smaller, and all that hues do, stays.
+//! Even light over a picture of bark. Light that varies slowly repeats with the picture, and from afar a trunk has rings of light
+//! and dark, one above the other; so it is divided by its slow waves. Details and hues stay.
 
 use std::f32::consts::{SQRT_2, TAU};
 
