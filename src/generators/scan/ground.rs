@@ -12,6 +12,8 @@
 //! Where one of these does not hold, the cloud has no ground, and nothing is taken from it. Else what lies within the spread of the
 //! layer around its middle, or below, is ground. A cell whose middle stems or grass hide is like those beside it.
 
+use std::collections::BTreeMap;
+
 use glam::DVec3;
 use linden_base::monitor::{Cancelled, Monitor};
 
@@ -317,31 +319,77 @@ fn tolerance_m(heights_m: &[Option<f64>]) -> f64 {
     (SPREADS * spread_m).clamp(TOLERANCE_M[0], TOLERANCE_M[1])
 }
 
-/// Points of the ground whose median is its height at a place.
-const GROUND_POINTS: usize = 9;
+/// Points of the ground whose median is its height at a place, at least and at most,
+const GROUND_POINTS: [usize; 2] = [9, 400];
+
+/// as many of them as it is so sure with, metres.
+const SURE_M: f64 = 0.01;
 
 /// And how far around it points tell how it rises there, metres.
 const SLOPE_M: f64 = 2.0;
 
+/// In cells of so many metres points of the ground are about as far off its plane as in others; roots and bark that were taken for it
+/// are so many times as far, and so far beside.
+const BESIDE_M: f64 = 0.25;
+const UPRIGHT: f64 = 3.0;
+const UPRIGHT_M: f64 = 0.02;
+
 /// The height of the ground at a place: the median of the points on it (metres, Y up) that are nearest to its plumb line, carried
-/// along the slope of the ground around: those beside a stem may all lie uphill of it.
+/// along the slope of the ground around: those beside a stem may all lie uphill of it, or high up on its bark.
 pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
     let away = |p: &DVec3| (p.x - at.x) * (p.x - at.x) + (p.z - at.z) * (p.z - at.z);
     let by_place = |a: &DVec3, b: &DVec3| {
         let level = away(a).total_cmp(&away(b)).then(a.y.total_cmp(&b.y));
         level.then(a.x.total_cmp(&b.x)).then(a.z.total_cmp(&b.z))
     };
-    let mut near: Vec<DVec3> = ground.iter().copied().filter(|p| away(p) <= SLOPE_M * SLOPE_M).collect();
-    near.sort_unstable_by(by_place);
-    let plane = Plane::through(&near, ON_A_LINE).filter(|_| near.len() >= GROUND_POINTS);
-    if near.len() < GROUND_POINTS {
-        near = ground.to_vec();
-        near.sort_unstable_by(by_place);
-    }
-    near.truncate(GROUND_POINTS);
+    let near: Vec<DVec3> = ground.iter().copied().filter(|p| away(p) <= SLOPE_M * SLOPE_M).collect();
+    let around = Around::of(near).filter(|around| around.level.len() >= GROUND_POINTS[0]);
+    let (plane, mut nearest, count) = match around {
+        Some(Around { plane, level, sd_m }) => {
+            // The median of a number of points is off by 1.25 standard deviations ÷ its root.
+            let sure = 1.25 * sd_m / SURE_M;
+            (Some(plane), level, ((sure * sure) as usize).clamp(GROUND_POINTS[0], GROUND_POINTS[1]))
+        }
+        None => (None, ground.to_vec(), GROUND_POINTS[0]),
+    };
+    nearest.sort_unstable_by(by_place);
+    nearest.truncate(count);
     let carried =
         |p: &DVec3| p.y + plane.as_ref().map_or(0.0, |plane| plane.height_m(at) - plane.height_m(*p));
-    median(near.iter().map(carried))
+    median(nearest.iter().map(carried))
+}
+
+/// The ground around a place.
+struct Around {
+    plane: Plane,
+    /// Points of cells that do not rise out of it.
+    level: Vec<DVec3>,
+    /// By how much they are off their cell's middle.
+    sd_m: f64,
+}
+
+impl Around {
+    fn of(mut near: Vec<DVec3>) -> Option<Self> {
+        near.sort_unstable_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)).then(a.z.total_cmp(&b.z)));
+        let mut cells: BTreeMap<[i64; 2], Vec<DVec3>> = BTreeMap::new();
+        for p in near {
+            cells.entry([p.x, p.z].map(|at| (at / BESIDE_M).floor() as i64)).or_default().push(p);
+        }
+        // As many rows for a wide piece of ground as for a stem's bark.
+        let middles: Vec<DVec3> = cells.values().map(|cell| cell[cell.len() / 2]).collect();
+        let plane = Plane::through(&middles, ON_A_LINE)?;
+        let off_m = |cell: &Vec<DVec3>| {
+            let heights: Vec<f64> = cell.iter().map(|p| p.y - plane.height_m(*p)).collect();
+            let middle_m = median(heights.iter().copied()).unwrap_or(0.0);
+            median(heights.iter().map(|height| (height - middle_m).abs())).unwrap_or(0.0)
+        };
+        let all_off_m: Vec<f64> = cells.values().map(off_m).collect();
+        let usual_m = median(all_off_m.iter().copied())?;
+        let is_level = |off_m: f64| off_m <= UPRIGHT * usual_m + UPRIGHT_M;
+        let rows = cells.into_values().zip(all_off_m);
+        let level = rows.filter(|(_, off_m)| is_level(*off_m)).flat_map(|(cell, _)| cell).collect();
+        Some(Self { plane, level, sd_m: super::circle::SD_PER_MAD * usual_m })
+    }
 }
 
 #[cfg(test)]
@@ -467,6 +515,25 @@ mod tests {
         let seen: Vec<DVec3> = ground(25.0, 0.0).into_iter().filter(|p| p.x > 0.5).collect();
         let height = ground_height(&seen, DVec3::ZERO).unwrap();
         assert!(height.abs() < 0.01, "{height}");
+    }
+
+    #[test]
+    fn bark_and_noise_that_were_taken_for_ground_lift_no_foot() {
+        // The lowest 40 cm of the stem went with the ground, as filters of surveys have it.
+        let stem = || tree(0.0).into_iter().filter(|p| p.y < 0.4);
+        for (degrees, noise_m) in [(0.0, 0.0), (0.0, 0.02), (20.0, 0.05)] {
+            let seen: Vec<DVec3> = ground(degrees, noise_m).into_iter().chain(stem()).collect();
+            for at in [[0.0, 0.0], [0.1, 0.0], [0.0, -0.15]].map(|[x, z]| DVec3::new(x, 0.0, z)) {
+                let height = ground_height(&seen, at).unwrap() - libm::tan(degrees.to_radians()) * at.x;
+                assert!(height.abs() < 0.02, "{degrees} {noise_m} {at}: {height}");
+            }
+        }
+        // 10 cm of noise: nine points would be off by 4 cm.
+        for seed in 0..20 {
+            let off = DVec3::new(unit("off", seed), 0.0, unit("off", seed + 100)) * 3.0;
+            let height = ground_height(&ground(0.0, 0.25), off).unwrap();
+            assert!(height.abs() < 0.03, "{off}: {height}");
+        }
         assert_eq!(ground_height(&[], DVec3::ZERO), None);
         assert_eq!(ground_height(&[DVec3::Y], DVec3::ZERO), Some(1.0));
     }
