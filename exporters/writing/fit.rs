@@ -22,7 +22,7 @@ const KILLING: &str = "dead_below";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 40] = [
+const SHOWN: [&str; 41] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -50,6 +50,7 @@ const SHOWN: [&str; 40] = [
     "leaf_petiole",
     "twig_leaves",
     "twig_tuft",
+    "twig_shoots",
     "leaf_normals",
     "leaf_colors",
     "autumn_colors",

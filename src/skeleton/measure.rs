@@ -1,5 +1,7 @@
 //! What a forester would measure.
 
+use std::collections::BTreeMap;
+
 use super::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 use glam::{DVec2, Vec3};
 use linden_base::hull::HullPolygon;
@@ -92,8 +94,13 @@ impl Skeleton {
             let node = nodes.get(1).filter(|_| steps).unwrap_or(&nodes[0]);
             f64::from(self.radii[*node as usize])
         };
-        let stems = (0..).zip(&self.axes).filter(|(_, axis)| axis.parent == NO_PARENT);
-        stems.map(|(index, axis)| (index, foot_radius(axis))).max_by(|a, b| a.1.total_cmp(&b.1))
+        let stems = self.stems().map(|stem| (stem, foot_radius(&self.axes[stem as usize])));
+        stems.max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Axes that nothing bears: indices into [`Skeleton::axes`].
+    fn stems(&self) -> impl Iterator<Item = u32> {
+        (0..).zip(&self.axes).filter(|(_, axis)| axis.parent == NO_PARENT).map(|(index, _)| index)
     }
 
     /// The stem that is thickest at its foot, and the axes that its wood runs on into, from the foot up: indices
@@ -104,21 +111,30 @@ impl Skeleton {
 
     /// The same where the [`Forks`] are known.
     pub fn trunk_by(&self, forks: &Forks) -> Vec<u32> {
-        let Some((stem, _)) = self.thickest_stem() else { return Vec::new() };
-        let mut trunk = vec![stem];
+        let thickest = self.thickest_stem().map(|(stem, _)| stem);
+        self.trunks_of(thickest, forks).pop().unwrap_or_default()
+    }
+
+    /// The same of these stems, in their order.
+    fn trunks_of(&self, stems: impl IntoIterator<Item = u32>, forks: &Forks) -> Vec<Vec<u32>> {
+        let mut trunks: Vec<Vec<u32>> = stems.into_iter().map(|stem| vec![stem]).collect();
         if forks.is_empty() {
-            return trunk;
+            return trunks;
         }
-        let apex = |axis: &Axis| self.nodes_of(axis).last().copied();
-        let mut top = apex(&self.axes[stem as usize]);
+        let apex = |axis: u32| self.nodes_of(&self.axes[axis as usize]).last().copied();
+        let tops = trunks.iter().enumerate().filter_map(|(trunk, axes)| Some((apex(axes[0])?, trunk)));
+        let mut tops: BTreeMap<u32, usize> = tops.collect();
         // Laterals come after what bears them.
         for (index, axis) in (0..).zip(&self.axes) {
-            if top == Some(axis.parent) && forks.runs_on(index) {
-                trunk.push(index);
-                top = apex(axis);
+            if let Some(&trunk) = tops.get(&axis.parent)
+                && forks.runs_on(index)
+            {
+                tops.remove(&axis.parent);
+                trunks[trunk].push(index);
+                tops.extend(apex(index).map(|top| (top, trunk)));
             }
         }
-        trunk
+        trunks
     }
 
     fn base_diameter_m(&self) -> f64 {
@@ -127,18 +143,32 @@ impl Skeleton {
 
     /// Where the trunk's diameter is measured, and the diameter.
     fn trunk_diameter(&self, forks: &Forks) -> (f64, f64) {
-        let axes = self.trunk_by(forks).into_iter().map(|axis| &self.axes[axis as usize]);
-        let nodes: Vec<u32> = axes.flat_map(|axis| self.nodes_of(axis)).copied().collect();
-        let along_m = self.climbed_m(&nodes);
-        for (pair, along_m) in nodes.windows(2).zip(along_m.windows(2)) {
-            if along_m[1] >= BREAST_HEIGHT_M && along_m[1] > along_m[0] {
-                let t = (BREAST_HEIGHT_M - along_m[0]) / (along_m[1] - along_m[0]);
-                let [below, above] = [pair[0], pair[1]].map(|n| f64::from(self.radii[n as usize]));
-                let below = if self.width_steps == WidthSteps::Cylinder { above } else { below };
-                return (BREAST_HEIGHT_M, 2.0 * (below + (above - below) * t));
-            }
+        match self.breast_diameter_m(&self.trunk_by(forks)) {
+            Some(diameter_m) => (BREAST_HEIGHT_M, diameter_m),
+            None => (0.0, self.base_diameter_m()),
         }
-        (0.0, self.base_diameter_m())
+    }
+
+    /// The diameters at breast height of all stems that reach it, metres, from the thickest to the thinnest: of the skeleton,
+    /// without a flare.
+    pub fn stem_diameters_m(&self, forks: &Forks) -> Vec<f64> {
+        let trunks = self.trunks_of(self.stems(), forks);
+        let mut found: Vec<f64> = trunks.iter().filter_map(|trunk| self.breast_diameter_m(trunk)).collect();
+        found.sort_unstable_by(|a, b| b.total_cmp(a));
+        found
+    }
+
+    /// The diameter at breast height of a trunk, whose axes are given from the foot up; `None` of a shorter one.
+    fn breast_diameter_m(&self, trunk: &[u32]) -> Option<f64> {
+        let nodes = trunk.iter().flat_map(|&axis| self.nodes_of(&self.axes[axis as usize]));
+        let nodes: Vec<u32> = nodes.copied().collect();
+        let along_m = self.climbed_m(&nodes);
+        let mut pairs = nodes.windows(2).zip(along_m.windows(2));
+        let (pair, along_m) = pairs.find(|(_, m)| m[1] >= BREAST_HEIGHT_M && m[1] > m[0])?;
+        let t = (BREAST_HEIGHT_M - along_m[0]) / (along_m[1] - along_m[0]);
+        let [below, above] = [pair[0], pair[1]].map(|n| f64::from(self.radii[n as usize]));
+        let below = if self.width_steps == WidthSteps::Cylinder { above } else { below };
+        Some(2.0 * (below + (above - below) * t))
     }
 
     /// How far from the foot each node of a stem is, from the foot up: along the stem. Between the buttresses of a scanned
@@ -183,7 +213,7 @@ mod tests {
     use linden_base::random::Key;
 
     use super::ends_of_row;
-    use crate::{Branching, Edge, NO_PARENT, RadiusFit, Skeleton, Wood};
+    use crate::{Branching, Edge, Forks, NO_PARENT, RadiusFit, Skeleton, Wood};
 
     #[test]
     fn a_trunk_is_measured_beyond_the_end_of_its_axis() {
@@ -199,6 +229,48 @@ mod tests {
         let measures = skeleton.measures();
         assert_eq!(measures.trunk_diameter_at_m, 1.3);
         assert!((measures.trunk_diameter_m - 0.34).abs() < 1e-6, "{measures:?}");
+        let stems = skeleton.stem_diameters_m(&Forks::new(&skeleton));
+        assert_eq!(stems, [measures.trunk_diameter_m], "laterals are no stems");
+    }
+
+    /// Poles of 1, 2 and 2 m; the last ends at 1 m, and its wood runs on.
+    #[test]
+    fn stems_are_measured_one_by_one() {
+        let up = |x: f32, y: f32| Vec3::new(x, y, 0.0);
+        let branching = Branching {
+            positions: vec![
+                up(0.0, 0.0),
+                up(0.0, 1.0),
+                up(5.0, 0.0),
+                up(5.0, 1.0),
+                up(5.0, 2.0),
+                up(9.0, 0.0),
+                up(9.0, 1.0),
+                up(9.5, 2.0),
+                up(8.5, 2.0),
+            ],
+            parents: vec![NO_PARENT, 0, NO_PARENT, 2, 3, NO_PARENT, 5, 6, 6],
+            births: vec![0; 9],
+            radii: Some(vec![0.4, 0.3, 0.1, 0.1, 0.08, 0.2, 0.2, 0.15, 0.05]),
+            edges: Some(vec![
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Succeeds,
+                Edge::Branches,
+                Edge::Branches,
+            ]),
+        };
+        let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
+        let found = skeleton.stem_diameters_m(&Forks::new(&skeleton));
+        // 0.3 m beyond 1 m: of 1.118 m along the fork, and of 1 m.
+        let expected = [2.0 * (0.2 - 0.05 * 0.3 / 1.118_034), 2.0 * (0.1 - 0.02 * 0.3)];
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{found:?} {expected:?}");
+        assert_eq!(skeleton.measures().trunk_diameter_at_m, 0.0, "the thickest is too short");
     }
 
     /// A stem that goes aside and back below 1 m, and loses a centimetre of radius every metre above.

@@ -11,7 +11,8 @@ use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
 use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey_by};
 use linden_skeleton::{
-    Axis, BREAST_HEIGHT_M, Forks, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
+    Axis, BREAST_HEIGHT_M, Forks, Measures, NO_PARENT, RadiusFit, RadiusSource, Skeleton, Streams,
+    ratio_of_orders,
 };
 
 use super::{Corners, ReportError};
@@ -107,6 +108,8 @@ pub(super) struct Figures<'a> {
     pub skeleton: Arc<Skeleton>,
     pub organs: usize,
     pub measures: Measures,
+    /// At breast height, from the thickest to the thinnest.
+    pub stem_diameters_m: Vec<f64>,
     pub wood: Hulls,
     pub all: Hulls,
     pub canopy: Canopy,
@@ -153,7 +156,7 @@ impl<'a> Figures<'a> {
         monitor.check()?;
         let crown_base_m = canopy.lowest_leaf_m.or_else(|| lowest_lateral_m(&skeleton, floor_m));
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
-        let ((measures, wood), branching) = rayon::join(
+        let ((measures, stem_diameters_m, wood), branching) = rayon::join(
             || {
                 let plan = skeleton.seen_from_above();
                 // Flat wood encloses nothing, and without leaves nothing lies beside its plane.
@@ -163,7 +166,8 @@ impl<'a> Figures<'a> {
                 for (axis, length_m, _) in skeleton.cylinder_sizes(&forks) {
                     wood_of_tubes.by_order[axis.order as usize].length_m += f64::from(length_m);
                 }
-                (skeleton.measures_by(&plan, &forks), Hulls { plan, solid })
+                let measures = skeleton.measures_by(&plan, &forks);
+                (measures, skeleton.stem_diameters_m(&forks), Hulls { plan, solid })
             },
             || BranchFigures::of(&skeleton),
         );
@@ -184,6 +188,7 @@ impl<'a> Figures<'a> {
             is_reduced,
             organs: organs.len(),
             measures,
+            stem_diameters_m,
             wood,
             all,
             survey,
@@ -208,6 +213,11 @@ impl<'a> Figures<'a> {
     pub fn dbh_m(&self) -> Option<f64> {
         let dbh_m = self.tubes.dbh_m?;
         Some(if self.skeleton.fits.is_empty() { dbh_m } else { self.measures.trunk_diameter_m })
+    }
+
+    /// Axes that nothing bears.
+    pub fn stem_count(&self) -> usize {
+        self.skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT).count()
     }
 
     /// Of wood and everything on it, above the lowest node, metres.

@@ -187,6 +187,7 @@ fn twig(kind: &LeafKind) -> TwigLook {
         length_m: (card_m(kind) as f32 - leaf_length_m).max(leaf_length_m / 4.0),
         leaf_length_m,
         tuft: kind.twig_tuft as f32,
+        shoots: kind.twig_shoots,
         ..TwigLook::default()
     }
 }

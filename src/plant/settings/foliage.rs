@@ -146,6 +146,8 @@ pub struct LeafKind {
     pub twig_leaves: u32,
     /// How far they gather at its end, 0 to 1.
     pub twig_tuft: f64,
+    /// Side shoots that they stand on as well.
+    pub twig_shoots: u32,
     /// How they stand round a twig.
     pub arrangement: Arrangement,
     /// Leaves a node, where they are whorled.
@@ -243,6 +245,7 @@ impl Default for LeafKind {
             twig_length_m: None,
             twig_leaves: 12,
             twig_tuft: 0.0,
+            twig_shoots: 0,
             arrangement: Arrangement::Spiral,
             whorl: 3,
             per_m: 40.0,

@@ -56,7 +56,7 @@ const SHARE: Field<LeafKind> = field!(
 );
 
 /// What one leaf is and where it stands.
-const LOOKS: [Field<LeafKind>; 37] = [
+const LOOKS: [Field<LeafKind>; 38] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -197,6 +197,18 @@ const LOOKS: [Field<LeafKind>; 37] = [
              coarse and full of holes; limes and beeches spread them in one plane (0)."
         ),
         see_also(&["twig_leaves", "leaf_arrangement"])
+    ),
+    field!(
+        "twig_shoots",
+        integer(0, 24),
+        "",
+        "for leaf_form=twig: side shoots on the card, which share its leaves; 0: one straight shoot",
+        twig_shoots,
+        details(
+            "A straight shoot with leaves left and right looks like one compound leaf from afar. 2 to 6 side shoots make a \
+             spray of it, twice as broad, for 15 to 40 leaves: a maple, a lime or a beech. Hanging twigs stay straight. No shoot has fewer than two leaves."
+        ),
+        see_also(&["twig_leaves", "twig_length", "leaves_per_m"])
     ),
     field!(
         "leaf_arrangement",

@@ -64,8 +64,17 @@ pub(super) static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["twig_length", "twig_leaves", "twig_tuft"],
+        knobs: &["twig_length", "twig_leaves", "twig_tuft", "twig_shoots"],
         why: |preset| when(preset.dressing.foliage.first.form != Form::Twig, "it is for leaf_form=twig"),
+    },
+    Rule {
+        knobs: &["twig_shoots"],
+        why: |preset| {
+            when(
+                preset.dressing.foliage.first.twig_leaves < 4,
+                "a side shoot needs a twig of 4 leaves (twig_leaves)",
+            )
+        },
     },
     Rule {
         knobs: &["leaves_per_m"],
@@ -240,6 +249,7 @@ const LOOKS: &[&str] = &[
     "twig_length",
     "twig_leaves",
     "twig_tuft",
+    "twig_shoots",
     "leaf_angle",
     "leaf_droop",
     "leaf_level",

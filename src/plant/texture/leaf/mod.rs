@@ -131,11 +131,15 @@ pub struct TwigLook {
     pub angle_deg: f32,
     /// How far leaves gather at its end: 0 evenly along it, 1 nearly all in its last third.
     pub tuft: f32,
+    /// Side shoots, which share the leaves with it: 0 to [`TwigLook::MAX_SHOOTS`], and no more than have two leaves each.
+    pub shoots: u32,
 }
 
 impl TwigLook {
     /// The most leaves on one twig.
     pub const MAX_LEAVES: u32 = 200;
+    /// The most side shoots.
+    pub const MAX_SHOOTS: u32 = 24;
 }
 
 impl Default for TwigLook {
@@ -149,6 +153,7 @@ impl Default for TwigLook {
             color: [104, 84, 62],
             angle_deg: 55.0,
             tuft: 0.0,
+            shoots: 0,
         }
     }
 }

@@ -12,76 +12,223 @@ use linden_base::random::Key;
 /// The twig of a variant. Its length and that of its last leaf are one unit.
 pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> Figure {
     let (wood_m, leaf_m) = (positive(twig.length_m, 0.2), positive(twig.leaf_length_m, 0.08));
-    // The share of the twig at which a leaf stands, by its share of all leaves.
-    let tuft = if twig.tuft.is_nan() { 0.0 } else { twig.tuft.clamp(0.0, 1.0) };
-    let gathered = |share: f32| 1.0 - libm::powf(1.0 - share, 1.0 + 1.6 * tuft);
-    let angle_deg = if twig.angle_deg.is_nan() { 55.0 } else { twig.angle_deg.clamp(0.0, 180.0) };
     let (wood, long) = (wood_m / (wood_m + leaf_m), leaf_m / (wood_m + leaf_m));
     let leaves = twig.leaves.clamp(1, TwigLook::MAX_LEAVES);
+    let main = Shoot {
+        foot: Vec2::ZERO,
+        heading: 0.0,
+        wood,
+        bend: key.named("bend").between(-0.08, 0.08) as f32,
+        leaves,
+        key,
+    };
+    let drawing = Drawing { look, twig, variant, long };
+    let sides = drawing.side_shoots(&main);
+    let on_sides: u32 = sides.iter().map(|side| side.leaves).sum();
+    let main = Shoot { leaves: leaves - on_sides, ..main };
+    // Shoots behind it, the twig itself, shoots before it.
+    let is_before = |side: &&Shoot| side.key.named("layer").unit() >= 0.5;
     let mut figure = Figure::default();
-    let bend = key.named("bend").between(-0.08, 0.08) as f32;
-    // It turns a little at each leaf.
-    let zigzag = if twig.arrangement == Arrangement::Alternate { 0.007 * long } else { 0.0 };
-    let axis = |t: f32, place: f32| {
-        let turn = libm::cosf(std::f32::consts::PI * place);
-        Vec2::new(bend * t * t * wood + zigzag * turn, wood * t)
-    };
-    let (each, places) = match twig.arrangement {
-        Arrangement::Alternate | Arrangement::Spiral => (1, leaves - 1),
-        Arrangement::Opposite => (2, leaves.saturating_sub(1).div_ceil(2)),
-    };
-    let place_at = |t: f32| (t - 0.12) / 0.85 * places as f32;
-    let points: Vec<Vec2> =
-        (0..=48).map(|i| i as f32 / 48.0).map(|t| axis(t, place_at(t)) - axis(0.0, place_at(0.0))).collect();
-    let origin = axis(0.0, place_at(0.0));
-    let bark = Vec3::from(linear(twig.color));
-    let skin = Skin {
-        color: bark,
-        patch: bark,
-        mottle: 0.3,
-        shadow: 0.35,
-        place: Vec2::new(key.named("u").unit() as f32, key.named("v").unit() as f32),
-        ..Skin::default()
-    };
-    let thick = (0.010 * long).max(0.0025) + 0.004 * wood;
-    let turn = key.named("turn").between(0.0, std::f64::consts::TAU) as f32;
-    // Leaves behind the twig, the twig, leaves before it.
-    let mut behind = Vec::new();
-    let mut before = Vec::new();
-    let mut left = leaves - 1;
-    for place in 0..places {
-        for side in 0..each.min(left) {
-            left -= 1;
-            let key = key.named("leaf").child(u64::from(place)).child(u64::from(side));
-            let is_right = if each == 2 { side == 0 } else { place % 2 == 0 };
-            let t = 0.12 + 0.85 * gathered((place as f32 + 0.5) / places as f32);
-            let foot = axis(t, place_at(t)) - origin;
-            let opening =
-                angle_deg.to_radians() * (1.08 - 0.25 * t) + key.named("angle").between(-0.16, 0.16) as f32;
-            // Leaves are smaller at both ends of a twig.
-            let size = long * (0.78 + 0.9 * t - 0.72 * t * t) * key.named("size").between(0.88, 1.05) as f32;
-            let stance = if twig.arrangement == Arrangement::Spiral {
-                Stance::around(opening, turn + place as f32 * GOLDEN)
-            } else {
-                let is_before = key.named("layer").unit() >= 0.5;
-                Stance::flat(if is_right { opening } else { -opening }, if is_before { 1.0 } else { -1.0 })
-            };
-            let leaf = one(look, variant, foot, stance, size, key);
-            if stance.toward < 0.0 { behind.push(leaf) } else { before.push((stance.toward, leaf)) }
+    for side in sides.iter().filter(|side| !is_before(side)) {
+        drawing.add(side, &mut figure);
+    }
+    drawing.add(&main, &mut figure);
+    for side in sides.iter().filter(is_before) {
+        drawing.add(side, &mut figure);
+    }
+    figure
+}
+
+/// What all shoots of a twig have in common.
+struct Drawing<'a> {
+    look: &'a LeafLook,
+    twig: &'a TwigLook,
+    variant: u32,
+    /// The length of a leaf.
+    long: f32,
+}
+
+/// A shoot with leaves of its own, the one at its end included.
+#[derive(Clone, Copy, Debug)]
+struct Shoot {
+    foot: Vec2,
+    /// To the right of +Y, radians.
+    heading: f32,
+    /// Its length without its last leaf.
+    wood: f32,
+    /// How far its end lies to the right of where it began to go, as a share of its length.
+    bend: f32,
+    leaves: u32,
+    key: Key,
+}
+
+/// Where side shoots leave a twig, as shares of its length.
+const SHOOTS_FROM: f32 = 0.14;
+const SHOOTS_TO: f32 = 0.74;
+
+/// How long the lowest and the highest of them are, as shares of the twig, and how much that differs.
+const LOW_SHOOT: f32 = 0.58;
+const HIGH_SHOOT: f32 = 0.26;
+const SHOOT_SPREAD: [f64; 2] = [0.72, 1.2];
+
+/// At which angle, radians, and how they bend back along the twig.
+const SHOOT_ANGLE: [f64; 2] = [0.62, 0.92];
+const SHOOT_BEND: f32 = 0.1;
+
+/// Where the first leaf stands on a shoot, and over how much of it they do, as shares of its length.
+const LEAVES_FROM: f32 = 0.12;
+const LEAVES_OVER: f32 = 0.85;
+
+/// Leaves on a side shoot at least.
+const LEAST_LEAVES: u32 = 2;
+
+impl Drawing<'_> {
+    /// The side shoots of a twig, from its foot on, and their share of its leaves.
+    fn side_shoots(&self, main: &Shoot) -> Vec<Shoot> {
+        let most = (main.leaves - 1) / (LEAST_LEAVES + 1);
+        let count = self.twig.shoots.min(TwigLook::MAX_SHOOTS).min(most);
+        let places = match self.twig.arrangement {
+            Arrangement::Opposite => count.div_ceil(2),
+            _ => count,
+        };
+        let first_right = main.key.named("first").unit() < 0.5;
+        let mut shoots: Vec<Shoot> = (0..count)
+            .map(|i| {
+                let key = main.key.named("shoot").child(u64::from(i));
+                let place = if places == count { i } else { i / 2 };
+                let step =
+                    (place as f32 + 0.5 + key.named("place").between(-0.3, 0.3) as f32) / places as f32;
+                let share = SHOOTS_FROM + (SHOOTS_TO - SHOOTS_FROM) * step;
+                let side = if (i % 2 == 0) == first_right { 1.0 } else { -1.0 };
+                let [angle, spread] = [("angle", SHOOT_ANGLE), ("length", SHOOT_SPREAD)]
+                    .map(|(name, [low, high])| key.named(name).between(low, high) as f32);
+                Shoot {
+                    foot: main.axis(share),
+                    heading: main.heading_at(share) + side * angle,
+                    wood: main.wood * (LOW_SHOOT + (HIGH_SHOOT - LOW_SHOOT) * step) * spread,
+                    bend: -side * SHOOT_BEND,
+                    leaves: 0,
+                    key,
+                }
+            })
+            .collect();
+        let total: f32 = main.wood + shoots.iter().map(|shoot| shoot.wood).sum::<f32>();
+        let mut left = main.leaves - 1 - LEAST_LEAVES * count;
+        for shoot in &mut shoots {
+            let more = (main.leaves as f32 * shoot.wood / total).round() as u32;
+            let more = more.saturating_sub(LEAST_LEAVES).min(left);
+            left -= more;
+            shoot.leaves = LEAST_LEAVES + more;
+        }
+        shoots
+    }
+
+    /// Draws a shoot over what is there: leaves behind it, the shoot, leaves before it.
+    fn add(&self, shoot: &Shoot, figure: &mut Figure) {
+        let Self { look, twig, variant, long } = *self;
+        let Shoot { wood, bend, leaves, key, .. } = *shoot;
+        // Leaves at each place, and places.
+        let places = match twig.arrangement {
+            Arrangement::Alternate | Arrangement::Spiral => (1, leaves - 1),
+            Arrangement::Opposite => (2, leaves.saturating_sub(1).div_ceil(2)),
+        };
+        // It turns a little at each leaf.
+        let zigzag = if twig.arrangement == Arrangement::Alternate { 0.007 * long } else { 0.0 };
+        let swing = |t: f32| {
+            zigzag * libm::cosf(std::f32::consts::PI * ((t - LEAVES_FROM) / LEAVES_OVER * places.1 as f32))
+        };
+        let along = |t: f32| {
+            shoot.place(Vec2::new(bend * t * t * wood + swing(t), wood * t) - Vec2::new(swing(0.0), 0.0))
+        };
+        let points: Vec<Vec2> = (0..=48).map(|i| along(i as f32 / 48.0)).collect();
+        let [behind, before] = self.leaves(shoot, places, along);
+        for leaf in &behind {
+            figure.add(leaf, &Affine2::IDENTITY);
+        }
+        let thick = (0.010 * long).max(0.0025) + 0.004 * wood;
+        figure.pieces.push(Piece::stroke(&points, [thick, thick * 0.55], self.bark(key)));
+        for leaf in &before {
+            figure.add(leaf, &Affine2::IDENTITY);
+        }
+        let end = points.last().copied().unwrap_or_default();
+        let last = Stance::flat(bend, 1.0).turned(shoot.heading);
+        figure.add(&one(look, variant, end, last, long, key.named("end")), &Affine2::IDENTITY);
+    }
+
+    /// The leaves of a shoot but the one at its end, behind it and before it, from the lowest to the uppermost.
+    fn leaves(
+        &self,
+        shoot: &Shoot,
+        (each, places): (u32, u32),
+        along: impl Fn(f32) -> Vec2,
+    ) -> [Vec<Figure>; 2] {
+        let Self { look, twig, variant, long } = *self;
+        let angle_deg = if twig.angle_deg.is_nan() { 55.0 } else { twig.angle_deg.clamp(0.0, 180.0) };
+        // The share of the shoot at which a leaf stands, by its share of all leaves.
+        let tuft = if twig.tuft.is_nan() { 0.0 } else { twig.tuft.clamp(0.0, 1.0) };
+        let gathered = |share: f32| 1.0 - libm::powf(1.0 - share, 1.0 + 1.6 * tuft);
+        let turn = shoot.key.named("turn").between(0.0, std::f64::consts::TAU) as f32;
+        let mut behind = Vec::new();
+        let mut before = Vec::new();
+        let mut left = shoot.leaves - 1;
+        for place in 0..places {
+            for side in 0..each.min(left) {
+                left -= 1;
+                let key = shoot.key.named("leaf").child(u64::from(place)).child(u64::from(side));
+                let is_right = if each == 2 { side == 0 } else { place % 2 == 0 };
+                let t = LEAVES_FROM + LEAVES_OVER * gathered((place as f32 + 0.5) / places as f32);
+                let opening = angle_deg.to_radians() * (1.08 - 0.25 * t)
+                    + key.named("angle").between(-0.16, 0.16) as f32;
+                // Leaves are smaller at both ends of a shoot.
+                let size =
+                    long * (0.78 + 0.9 * t - 0.72 * t * t) * key.named("size").between(0.88, 1.05) as f32;
+                let stance = if twig.arrangement == Arrangement::Spiral {
+                    Stance::around(opening, turn + place as f32 * GOLDEN)
+                } else {
+                    let is_before = key.named("layer").unit() >= 0.5;
+                    Stance::flat(
+                        if is_right { opening } else { -opening },
+                        if is_before { 1.0 } else { -1.0 },
+                    )
+                };
+                let leaf = one(look, variant, along(t), stance.turned(shoot.heading), size, key);
+                if stance.toward < 0.0 { behind.push(leaf) } else { before.push((stance.toward, leaf)) }
+            }
+        }
+        // What rises most is nearest to who looks.
+        before.sort_by(|a, b| a.0.total_cmp(&b.0));
+        [behind, before.into_iter().map(|(_, leaf)| leaf).collect()]
+    }
+
+    fn bark(&self, key: Key) -> Skin {
+        let color = Vec3::from(linear(self.twig.color));
+        Skin {
+            color,
+            patch: color,
+            mottle: 0.3,
+            shadow: 0.35,
+            place: Vec2::new(key.named("u").unit() as f32, key.named("v").unit() as f32),
+            ..Skin::default()
         }
     }
-    // What rises most is nearest to who looks.
-    before.sort_by(|a, b| a.0.total_cmp(&b.0));
-    for leaf in &behind {
-        figure.add(leaf, &Affine2::IDENTITY);
+}
+
+impl Shoot {
+    /// From its own coordinates, in which it grows along +Y from the origin.
+    fn place(&self, p: Vec2) -> Vec2 {
+        let along = heading(self.heading);
+        self.foot + along * p.y - along.perp() * p.x
     }
-    let end = points.last().copied().unwrap_or_default();
-    figure.pieces.push(Piece::stroke(&points, [thick, thick * 0.55], skin));
-    for (_, leaf) in &before {
-        figure.add(leaf, &Affine2::IDENTITY);
+
+    /// Its axis at a share of its length.
+    fn axis(&self, share: f32) -> Vec2 {
+        self.place(Vec2::new(self.bend * share * share, share) * self.wood)
     }
-    figure.add(&one(look, variant, end, Stance::flat(bend, 1.0), long, key.named("end")), &Affine2::IDENTITY);
-    figure
+
+    /// Where it goes there, radians to the right of +Y.
+    fn heading_at(&self, share: f32) -> f32 {
+        self.heading + libm::atanf(2.0 * self.bend * share)
+    }
 }
 
 /// The golden angle, radians.
@@ -106,6 +253,11 @@ impl Stance {
     /// In the twig's plane, or as good as.
     fn flat(angle: f32, toward: f32) -> Self {
         Self { angle, rise: 0.0, toward }
+    }
+
+    /// On a shoot that goes elsewhere.
+    fn turned(self, heading: f32) -> Self {
+        Self { angle: self.angle + heading, ..self }
     }
 
     /// Out of the twig by an angle, at a place round it.
@@ -170,6 +322,49 @@ mod tests {
             sides[usize::from(seen.toward < 0.0)] += 1;
         }
         assert!(sides[0].abs_diff(sides[1]) <= 2, "as many before the twig as behind it: {sides:?}");
+    }
+
+    #[test]
+    fn side_shoots_share_the_leaves_and_make_the_twig_broad() {
+        let look = LeafLook::new(super::super::Outline::Ovate);
+        for arrangement in [Arrangement::Alternate, Arrangement::Opposite, Arrangement::Spiral] {
+            for (leaves, shoots, drawn) in [(40, 6, 6), (40, 0, 0), (1, 5, 0), (7, 5, 2), (12, 30, 3)] {
+                let of = |variant: u32, shoots: u32| {
+                    let twig_look = TwigLook { leaves, shoots, arrangement, ..TwigLook::default() };
+                    twig(&look, &twig_look, variant, Key::new(9).child(u64::from(variant)))
+                };
+                let (straight, branched) = (of(1, 0), of(1, shoots));
+                let blades = |figure: &Figure| figure.pieces.iter().filter(|p| !p.veins.is_empty()).count();
+                assert_eq!([blades(&straight), blades(&branched)], [leaves as usize; 2]);
+                // Wood is what has the bark's mottle.
+                let strokes = |figure: &Figure| figure.pieces.iter().filter(|p| p.skin.mottle == 0.3).count();
+                assert_eq!(strokes(&branched), drawn + 1, "{arrangement:?} {leaves} {shoots}");
+                let width = |figure: &Figure| figure.bounds().1.x - figure.bounds().0.x;
+                if drawn == 6 {
+                    let broader: f32 = (0..4).map(|v| width(&of(v, shoots)) / width(&of(v, 0))).sum();
+                    assert!(broader > 5.0, "{arrangement:?}: {broader}");
+                }
+                if shoots == 0 {
+                    assert_eq!(width(&straight), width(&branched));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn side_shoots_begin_on_the_twig() {
+        let look = LeafLook::new(super::super::Outline::Ovate);
+        let twig_look = TwigLook { leaves: 40, shoots: 6, ..TwigLook::default() };
+        let figure = twig(&look, &twig_look, 0, Key::new(3));
+        let feet: Vec<Vec2> =
+            figure.pieces.iter().filter(|p| p.skin.mottle == 0.3).map(|p| p.frame.translation).collect();
+        let main = figure.pieces.iter().find(|p| p.skin.mottle == 0.3 && p.frame.translation == Vec2::ZERO);
+        let side = main.expect("the twig").outline.clone();
+        for foot in &feet {
+            let near = side.iter().map(|p| p.distance(*foot)).fold(f32::INFINITY, f32::min);
+            assert!(near < 0.02, "{foot} is {near} off");
+        }
+        assert!(feet.iter().filter(|foot| foot.y > 0.1).count() == 6, "{feet:?}");
     }
 
     #[test]
