@@ -12,6 +12,7 @@
 //! assert_eq!(draw_cells(&image, 1, 1, &style), "\u{1b}[38;2;255;0;0m▀\u{1b}[0m\n");
 //! ```
 
+mod dither;
 mod settle;
 
 use ratatui::buffer::Buffer;
@@ -21,6 +22,7 @@ use ratatui::style::{Color, Modifier};
 use crate::color::{ColorDepth, push_color};
 use crate::grid::{Image, Light, bytes, decode, encode};
 use crate::screen::paint_cost;
+use dither::Dither;
 use settle::{Level, Nearest, Rows, settle};
 
 /// Which characters a picture is made of.
@@ -274,6 +276,8 @@ impl Seen {
         let monochrome = style.is_monochrome();
         let ink = if monochrome { inked(&parts, columns * across, behind) } else { Vec::new() };
 
+        let mut dither = Dither::new(style.colors);
+
         let mut splits = Vec::with_capacity(columns * rows);
         let mut cell = Vec::with_capacity(across * down);
         for row in 0..rows {
@@ -284,7 +288,11 @@ impl Seen {
                 cell.extend(places.clone().map(|at| parts[at]));
                 splits.push(if monochrome {
                     let drawn = places.enumerate().fold(0, |drawn, (i, at)| drawn | u32::from(ink[at]) << i);
-                    Split { drawn, ink: bytes(mean(&cell, drawn, behind)), paper: None }
+                    let light = mean(&cell, drawn, behind);
+                    let ink = dither.as_mut().map_or_else(|| bytes(light), |few| few.one(light, behind, (column, row)));
+                    Split { drawn, ink, paper: None }
+                } else if let Some(few) = &mut dither {
+                    few.split(&cell, behind, (column, row))
                 } else {
                     split(&cell, behind)
                 });

@@ -164,6 +164,11 @@ fn xterm(entry: u8) -> [u8; 3] {
     [LEVELS[at / 36], LEVELS[at / 6 % 6], LEVELS[at % 6]]
 }
 
+/// Whether a colour is one of the bright half of the 16.
+pub(crate) const fn is_bright(color: Color) -> bool {
+    matches!(color, Color::Indexed(8..16))
+}
+
 /// How a colour looks that [`ColorDepth`] gave; `None` for the terminal's default, which may be any.
 pub(crate) fn look(color: Color) -> Option<[u8; 3]> {
     match color {
@@ -181,18 +186,17 @@ struct Palette {
 }
 
 impl Palette {
-    fn new(first: u8, colors: impl Iterator<Item = [u8; 3]>) -> Self {
-        Self { first, looks: colors.map(oklab).collect() }
+    fn new(first: u8, colors: Vec<[u8; 3]>) -> Self {
+        Self { first, looks: colors.into_iter().map(oklab).collect() }
     }
 
     /// The entry that looks nearest. In sRGB the nearest of few colours is often of another hue, and
     /// bark turns into patches of green and pink.
     fn nearest(&self, srgb: [u8; 3]) -> u8 {
-        let [l, a, b] = oklab(srgb);
+        let wanted = oklab(srgb);
         let (mut best, mut least) = (0, f32::INFINITY);
-        for (i, c) in self.looks.iter().enumerate() {
-            let (dl, da, db) = (l - c[0], a - c[1], b - c[2]);
-            let distance = dl * dl + HUE_WEIGHT * (da * da + db * db);
+        for (i, &look) in self.looks.iter().enumerate() {
+            let distance = difference(wanted, look);
             if distance < least {
                 (best, least) = (i, distance);
             }
@@ -202,15 +206,31 @@ impl Palette {
 }
 
 /// How much more a difference in hue and chroma counts than one in lightness.
-const HUE_WEIGHT: f32 = 2.0;
+pub(crate) const HUE_WEIGHT: f32 = 2.0;
+
+/// How much two colours differ to the eye, squared; both as [`oklab_of_light`] gives them.
+pub(crate) fn difference(one: [f32; 3], other: [f32; 3]) -> f32 {
+    let [l, a, b]: [f32; 3] = std::array::from_fn(|i| one[i] - other[i]);
+    l * l + HUE_WEIGHT * (a * a + b * b)
+}
+
+/// How the entries of a palette look: all 16, or those of the 256 that themes leave alone; none where any colour can
+/// be had.
+pub(crate) fn palette(colors: ColorDepth) -> Vec<[u8; 3]> {
+    match colors {
+        ColorDepth::Ansi16 => ANSI_16.to_vec(),
+        ColorDepth::Ansi256 => (16..=255).map(xterm).collect(),
+        ColorDepth::None | ColorDepth::True => Vec::new(),
+    }
+}
 
 fn nearest_16(srgb: [u8; 3]) -> u8 {
-    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(0, ANSI_16.into_iter()));
+    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(0, palette(ColorDepth::Ansi16)));
     PALETTE.nearest(srgb)
 }
 
 fn nearest_256(srgb: [u8; 3]) -> u8 {
-    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(16, (16..=255).map(xterm)));
+    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(16, palette(ColorDepth::Ansi256)));
     PALETTE.nearest(srgb)
 }
 
@@ -218,7 +238,11 @@ fn nearest_256(srgb: [u8; 3]) -> u8 {
 /// processing").
 fn oklab(srgb: [u8; 3]) -> [f32; 3] {
     static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| decode(i as f32 / 255.0)));
-    let [r, g, b] = srgb.map(|c| LIGHT[usize::from(c)]);
+    oklab_of_light(srgb.map(|c| LIGHT[usize::from(c)]))
+}
+
+/// As [`oklab`], of linear light.
+pub(crate) fn oklab_of_light([r, g, b]: [f32; 3]) -> [f32; 3] {
     let l = libm::cbrtf(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
     let m = libm::cbrtf(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
     let s = libm::cbrtf(0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b);

@@ -3,7 +3,7 @@
 use ratatui::style::Color;
 
 use super::{CellStyle, Glyphs, PictureCell, Seen, Split, glyph};
-use crate::color::ColorDepth;
+use crate::color::{ColorDepth, is_bright};
 
 /// How much is given up to save bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,6 +80,14 @@ struct Set {
     look: Option<[u8; 3]>,
 }
 
+impl Set {
+    /// Whether it is one that terminals of 16 colours are sure to have as ink alone: behind text the bright ones
+    /// blink, or are dark.
+    fn is_ink_alone(&self) -> bool {
+        is_bright(self.color)
+    }
+}
+
 const OWN: Set = Set { color: Color::Reset, look: None };
 
 /// Remembers which colours are set.
@@ -123,18 +131,28 @@ impl Pen<'_> {
         }
         let (ink, paper) = (self.settle(ink), self.settle(paper));
         if split.drawn == 0 || ink == paper {
-            // One colour: whichever way it is set already.
-            return if self.ink == paper {
-                self.put(glyph(glyphs, all), None, None)
-            } else {
-                self.put(' ', None, Some(paper))
-            };
+            return self.one_color(paper);
         }
-        let changes = |ink, paper| u32::from(self.ink != ink) + u32::from(self.paper != paper);
+        let changes = |ink: Set, paper: Set| {
+            let is_poor = u32::from(paper.is_ink_alone()) * 3;
+            u32::from(self.ink != ink) + u32::from(self.paper != paper) + is_poor
+        };
         if changes(paper, ink) < changes(ink, paper) {
             self.put(glyph(glyphs, all & !split.drawn), Some(paper), Some(ink))
         } else {
             self.put(glyph(glyphs, split.drawn), Some(ink), Some(paper))
+        }
+    }
+
+    /// All of a cell in one colour: whichever way it is set already.
+    fn one_color(&mut self, color: Set) -> PictureCell {
+        let all = glyph(Glyphs::Halves, 0b11);
+        if self.ink == color {
+            self.put(all, None, None)
+        } else if color.is_ink_alone() {
+            self.put(all, Some(color), None)
+        } else {
+            self.put(' ', None, Some(color))
         }
     }
 
@@ -183,6 +201,7 @@ impl Pen<'_> {
             return PictureCell::EMPTY;
         }
         let paper = self.settle(sum.map(|c| (c / n.max(1)) as u8));
+        // As paper even where that is bright: what is erased costs no character.
         self.put(' ', None, Some(paper))
     }
 

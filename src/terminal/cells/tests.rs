@@ -300,9 +300,9 @@ fn shallow_colours_are_those_of_the_palette() {
         64,
     );
     assert!(shallow < 0.03, "{shallow}");
-    // 16 colours: the interpreter gives the entry's number.
+    // 16 colours: the interpreter gives the entry's number. A bright one is ink.
     let lines = interpret(&draw(&[255, 0, 0, 255], (1, 1), (1, 1), Glyphs::Halves, ColorDepth::Ansi16));
-    assert_eq!(lines[0][0].paper, Some([9; 3]));
+    assert_eq!((lines[0][0].character, lines[0][0].ink), ('█', Some([9; 3])));
 }
 
 #[test]

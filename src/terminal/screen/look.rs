@@ -3,7 +3,7 @@
 use ratatui::buffer::{Cell, CellWidth};
 use ratatui::style::{Color, Modifier};
 
-use crate::color::ColorDepth;
+use crate::color::{ColorDepth, is_bright};
 
 /// The characters that are a cell's quarters: bit 0 is the upper left, bit 3 the lower right.
 pub(crate) const QUADRANTS: [&str; 16] =
@@ -23,7 +23,7 @@ const VISIBLE_ON_BLANK: Modifier = Modifier::REVERSED
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Look<'a> {
     /// Quarters in two colours. `None` is a colour that nothing has. Where both can be exchanged,
-    /// the upper left quarter has the paper, so that a look has one form.
+    /// the upper left quarter has the paper, so that a look has one form; a bright one of the 16 is ink.
     Quarters { drawn: u8, ink: Option<Color>, paper: Option<Color> },
     /// Anything else.
     Text { symbol: &'a str, ink: Color, paper: Color, underline: Color, modifier: Modifier },
@@ -54,9 +54,9 @@ impl<'a> Look<'a> {
         match drawn {
             0 => Self::blank(paper),
             _ if ink == paper && !is_reset(ink) => Self::blank(paper),
-            FULL if !is_reset(ink) => Self::blank(ink),
+            FULL if !is_reset(ink) && !is_bright(ink) => Self::blank(ink),
             FULL => Self::Quarters { drawn, ink: Some(ink), paper: None },
-            _ if drawn & 1 == 1 && !is_reset(ink) && !is_reset(paper) => {
+            _ if !is_reset(ink) && !is_reset(paper) && turns(drawn, ink, paper) => {
                 Self::Quarters { drawn: FULL & !drawn, ink: Some(paper), paper: Some(ink) }
             }
             _ => Self::Quarters { drawn, ink: Some(ink), paper: Some(paper) },
@@ -69,11 +69,12 @@ impl<'a> Look<'a> {
     }
 
     /// The same picture with ink and paper exchanged, where a terminal can show it so: its own
-    /// foreground is no paper, and its own background no ink.
+    /// foreground is no paper, its own background no ink, and a bright one of the 16 is not sure to be paper.
     pub fn exchanged(self) -> Option<Self> {
         let Self::Quarters { drawn, ink, paper } = self else { return None };
         let known = |color: Option<Color>| color != Some(Color::Reset);
-        (known(ink) && known(paper)).then_some(Self::Quarters {
+        let stays = ink.is_some_and(is_bright);
+        (known(ink) && known(paper) && !stays).then_some(Self::Quarters {
             drawn: FULL & !drawn,
             ink: paper,
             paper: ink,
@@ -86,6 +87,15 @@ impl<'a> Look<'a> {
             Self::Quarters { drawn: 0, paper, .. } => paper,
             _ => None,
         }
+    }
+}
+
+/// Whether what is drawn takes its one form by exchanging ink and paper.
+fn turns(drawn: u8, ink: Color, paper: Color) -> bool {
+    match (is_bright(ink), is_bright(paper)) {
+        (true, false) => false,
+        (false, true) => true,
+        _ => drawn & 1 == 1,
     }
 }
 
@@ -166,6 +176,17 @@ mod tests {
         assert_ne!(look("▀", a, Color::Reset), look("▄", Color::Reset, a));
         assert_ne!(look("█", Color::Reset, a), look(" ", a, Color::Reset));
         assert_eq!(look("▀", a, Color::Reset).exchanged(), None);
+    }
+
+    #[test]
+    fn bright_ones_of_the_16_are_ink() {
+        let (bright, dark) = (Color::Indexed(10), Color::Indexed(2));
+        let drawn = Look::Quarters { drawn: 1, ink: Some(bright), paper: Some(dark) };
+        assert_eq!((look("▘", bright, dark), look("▟", dark, bright)), (drawn, drawn));
+        assert_eq!(drawn.exchanged(), None);
+        let full = look("█", bright, dark);
+        assert_eq!(full, Look::Quarters { drawn: FULL, ink: Some(bright), paper: None });
+        assert_eq!(full.exchanged(), None);
     }
 
     #[test]
