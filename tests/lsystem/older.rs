@@ -102,7 +102,17 @@ fn abops_labels_and_comments_are_read() {
 fn mistakes_are_told_with_their_place() {
     let head = "axiom=F\nangle=20\nnumber of derivations=3\n";
     for (text, message) in [
-        ("", "line 1, column 1: no line says 'axiom=…'; add one like 'axiom = F'"),
+        // All that is missing is told at once.
+        (
+            "",
+            "line 1, column 1: no line says 'axiom=…', 'angle=…' or 'number of derivations=…'; \
+             add lines like 'axiom = F', 'angle = 25' and 'number of derivations = 4'",
+        ),
+        (
+            "axiom=F\nF -> F[+F]\n",
+            "line 2, column 1: no line says 'angle=…' or 'number of derivations=…'; \
+             add lines like 'angle = 25' and 'number of derivations = 4'",
+        ),
         // What is wrong in a line comes first.
         ("axiom=F\nF -> F[+F\n", "line 2, column 7: '[' opens a branch that is never closed"),
         (

@@ -142,19 +142,31 @@ pub enum Problem {
         /// Where it stood first, from 1.
         first_line: usize,
     },
-    /// A key that must stand somewhere does not.
-    #[error("no line says '{key}=…'; add one like '{key} = {like}'")]
+    /// Keys that must stand somewhere do not.
+    #[error(
+        "no line says {}; add {} like {}",
+        listed(.keys, "or", |key, _| format!("'{key}=…'")),
+        if .keys.len() == 1 { "one" } else { "lines" },
+        listed(.keys, "and", |key, like| format!("'{key} = {like}'"))
+    )]
     Missing {
-        /// The key.
-        key: &'static str,
-        /// A value that it may have.
-        like: &'static str,
+        /// Each with a value that it may have.
+        keys: Vec<(&'static str, &'static str)>,
     },
 }
 
 impl Problem {
     pub(super) fn expected(expected: impl Into<String>, found: Option<char>) -> Self {
         Self::Expected { expected: expected.into(), found: found.map_or("the end".into(), quoted) }
+    }
+}
+
+/// Keys in words: `a, b and c`.
+fn listed(keys: &[(&'static str, &'static str)], last: &str, shown: impl Fn(&str, &str) -> String) -> String {
+    let mut words: Vec<String> = keys.iter().map(|(key, like)| shown(key, like)).collect();
+    match (words.pop(), words.is_empty()) {
+        (Some(end), false) => format!("{} {last} {end}", words.join(", ")),
+        (end, _) => end.unwrap_or_default(),
     }
 }
 

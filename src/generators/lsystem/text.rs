@@ -171,19 +171,18 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
             rules.push(line);
         }
     }
-    let missing =
-        |key, like| ParseError { line: last_line, column: 1, problem: Problem::Missing { key, like } };
     // What is wrong in a line comes before a line that is not there.
     let angle_deg = angle.map(|angle| angle.real(ANGLE_RANGE_DEG)).transpose()?;
     let count = derivations.map(|derivations| derivations.whole(MAX_DERIVATIONS)).transpose()?;
     let grammar = axiom.map(|axiom| grammar(axiom, &rules)).transpose()?;
-    Ok(TextGrammar {
-        grammar: grammar.ok_or_else(|| missing(AXIOM, "F"))?,
-        angle_deg: angle_deg.ok_or_else(|| missing(ANGLE, "25"))?,
-        derivations: count.ok_or_else(|| missing(DERIVATIONS, "4"))?,
-        comments,
-        notes,
-    })
+    // All of them at once: who is told one at a time mends the file three times.
+    let known = [grammar.is_some(), angle_deg.is_some(), count.is_some()];
+    let (Some(grammar), Some(angle_deg), Some(derivations)) = (grammar, angle_deg, count) else {
+        let all = [(AXIOM, "F"), (ANGLE, "25"), (DERIVATIONS, "4")];
+        let keys = all.into_iter().zip(known).filter(|(_, known)| !known).map(|(key, _)| key).collect();
+        return Err(ParseError { line: last_line, column: 1, problem: Problem::Missing { keys } });
+    };
+    Ok(TextGrammar { grammar, angle_deg, derivations, comments, notes })
 }
 
 /// What key may have been meant by a line that has none.
@@ -233,7 +232,7 @@ pub fn parse_grammar(text: &str) -> Result<Grammar, ParseError> {
             rules.push(line);
         }
     }
-    let missing = ParseError { line: 1, column: 1, problem: Problem::Missing { key: AXIOM, like: "F" } };
+    let missing = ParseError { line: 1, column: 1, problem: Problem::Missing { keys: vec![(AXIOM, "F")] } };
     grammar(axiom.ok_or(missing)?, &rules)
 }
 
