@@ -28,7 +28,7 @@ pub struct Hue {
     pub dark: &'static str,
     /// On a light terminal, `#rrggbb`.
     pub light: &'static str,
-    /// With 16 colours, which the terminal's theme decides. `Reset` is its text or background: a
+    /// With 16 colours on a dark terminal, whose theme decides how they look. `Reset` is its text or background: a
     /// ground of unknown contrast is none, and what stands on it is marked as in `plain`.
     pub ansi: Color,
 }
@@ -342,11 +342,22 @@ impl Theme {
 /// The palette of a built-in theme.
 fn colors(light: bool, depth: ColorDepth) -> Vec<(String, Color)> {
     let of = |hue: &Hue| match (depth, light) {
-        (ColorDepth::Ansi16 | ColorDepth::None, _) => Some(hue.ansi),
+        (ColorDepth::Ansi16 | ColorDepth::None, false) => Some(hue.ansi),
+        (ColorDepth::Ansi16 | ColorDepth::None, true) => Some(ansi_on_light(hue.ansi)),
         (_, true) => hex(hue.light),
         (_, false) => hex(hue.dark),
     };
     PALETTE.iter().filter_map(|hue| Some((hue.name.to_owned(), of(hue)?))).collect()
+}
+
+/// One of the 16 colours that can be read on a light ground in the place of one that cannot: green, cyan and yellow of
+/// common palettes have a contrast of 2 there, less where bold makes them bright.
+const fn ansi_on_light(ansi: Color) -> Color {
+    match ansi {
+        Color::Green | Color::Cyan => Color::Blue,
+        Color::Yellow => Color::Red,
+        other => other,
+    }
 }
 
 /// The sixteen colours that a terminal's theme decides.

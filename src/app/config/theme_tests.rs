@@ -121,6 +121,25 @@ fn plain_has_no_colours_and_still_tells_what_matters() {
 }
 
 #[test]
+fn sixteen_colours_can_be_read_on_white() {
+    // xterm's, of text as it is and as bold makes it.
+    let look = |ink: Color| match ink {
+        Color::Reset => [[0; 3]; 2],
+        Color::DarkGray => [[127; 3]; 2],
+        Color::Red => [[205, 0, 0], [255, 0, 0]],
+        Color::Blue => [[0, 0, 238], [92, 92, 255]],
+        Color::Magenta => [[205, 0, 205], [255, 0, 255]],
+        other => panic!("{other}: is it seen on white?"),
+    };
+    for (name, ink) in colors(true, ColorDepth::Ansi16) {
+        for looks in look(ink) {
+            let found = contrast(looks, [255; 3]);
+            assert!(found >= 3.0, "{name} {ink}: {found:.2}");
+        }
+    }
+}
+
+#[test]
 fn sixteen_colours_are_the_terminals_and_mark_what_has_no_ground() {
     for light in [false, true] {
         let (theme, _) = Theme::load(&Dirs::default(), "auto", light, ColorDepth::Ansi16);
