@@ -12,6 +12,7 @@ pub mod nudge;
 pub mod save;
 mod save_first;
 pub mod save_lines;
+mod slider;
 mod text;
 mod undoing;
 pub mod value;

@@ -9,6 +9,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
+use super::slider::Scale;
 use super::value::ValueLine;
 use super::{FormRow, complete, edit_lines, forecast, listed, resolved, spot};
 use crate::tui::chrome::prompt::Prompt;
@@ -365,8 +366,10 @@ impl FormView<'_> {
         {
             lines.push(Line::styled(format!("changes nothing: {why}"), theme.warning));
         }
-        if let Some((low, high, share)) = slider(&row_knob.knob.kind, value) {
-            lines.push(self.slider(low, high, share));
+        let usual = row_knob.read(&self.tree.saved().preset);
+        let scale = Scale::new(&row_knob.knob.kind, usual.as_ref());
+        if let Some((scale, share)) = scale.and_then(|scale| Some((scale, scale.share(value)?))) {
+            lines.push(self.slider(&scale, share));
         }
         if typed(self.model).is_some() && !complete::words(row_knob.knob.name).is_empty() {
             range.push(Span::styled(" · Tab completes", theme.dim));
@@ -396,7 +399,8 @@ impl FormView<'_> {
     }
 
     /// Where a value stands in its range: `0 ━━━━━●──── 10`.
-    fn slider(&self, low: f64, high: f64, share: f64) -> Line<'static> {
+    fn slider(&self, scale: &Scale, share: f64) -> Line<'static> {
+        let Scale { low, high, .. } = scale;
         let theme = &self.model.config.theme;
         let at = (share * (SLIDER - 1) as f64).round() as usize;
         Line::from(vec![
@@ -417,23 +421,6 @@ impl FormView<'_> {
         }
         preset
     }
-}
-
-/// The ends of a knob's range and the share of it that a value is at; `None` where there is no end.
-fn slider(kind: &Kind, value: &Value) -> Option<(f64, f64, f64)> {
-    let (low, high) = match *kind {
-        Kind::Real { min, max, .. } | Kind::Length { min, max, .. } => (min, max),
-        Kind::Integer { min, max } if max <= 1000 => (min as f64, max as f64),
-        _ => return None,
-    };
-    let at = match value {
-        Value::Real(x) => *x,
-        Value::Integer(n) => *n as f64,
-        _ => return None,
-    };
-    // Nobody turns a knob from one end of a million to the other.
-    let is_seen = low.is_finite() && high.is_finite() && high > low && high - low <= 1000.0;
-    is_seen.then(|| (low, high, ((at - low) / (high - low)).clamp(0.0, 1.0)))
 }
 
 /// A value with its unit, where it has one.
