@@ -146,6 +146,22 @@ pub fn put_back(kept: &Path, path: &Path) -> Result<(), Complaint> {
     fs::rename(kept, path).map_err(|error| failed(error.to_string()))
 }
 
+/// Gives a preset's file another name in its folder, and keeps its ending; gives where it is then.
+///
+/// # Errors
+/// Why it is called as before, as when there is a file of that name.
+pub fn rename(path: &Path, id: &str) -> Result<PathBuf, Complaint> {
+    let failed = |why: &str| Complaint::new(path, format!("cannot be renamed to '{}': {why}", excerpt(id)));
+    check_id(id).map_err(failed)?;
+    let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    let to = path.with_file_name(format!("{id}{ending}"));
+    if fs::symlink_metadata(&to).is_ok() {
+        return Err(failed("there is a file of that name; choose another name, or remove that one first"));
+    }
+    fs::rename(path, &to).map_err(|error| failed(&error.to_string()))?;
+    Ok(to)
+}
+
 /// The file that one which was put away was before, by its name; `None` for any other.
 pub fn before_put_away(kept: &Path) -> Option<PathBuf> {
     let folder = kept.parent()?;

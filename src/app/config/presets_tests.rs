@@ -180,3 +180,17 @@ fn what_is_removed_is_kept_where_it_is_not_listed() {
     }
     assert_eq!(put_away(&path), Ok(None));
 }
+
+#[test]
+fn a_file_is_renamed_but_never_over_another() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str| dir.path().join(name);
+    std::fs::write(file("a.txt"), "a").unwrap();
+    std::fs::write(file("b.txt"), "b").unwrap();
+    let taken = rename(&file("a.txt"), "b").unwrap_err().to_string();
+    assert!(taken.contains("a.txt") && taken.contains("there is a file of that name"), "{taken}");
+    assert!(rename(&file("a.txt"), "../c").is_err() && rename(&file("none.txt"), "c").is_err());
+    assert_eq!(rename(&file("a.txt"), "my c"), Ok(file("my c.txt")));
+    assert_eq!(std::fs::read_to_string(file("my c.txt")).unwrap(), "a");
+    assert_eq!(std::fs::read_to_string(file("b.txt")).unwrap(), "b");
+}

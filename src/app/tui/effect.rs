@@ -67,6 +67,13 @@ pub enum Effect {
     },
     /// Put a preset's file away ([`crate::config::presets::put_away`]); answered by `Msg::Removed`.
     Remove(PathBuf),
+    /// Give a preset's file another name ([`crate::config::presets::rename`]); answered by `Msg::Renamed`.
+    Rename {
+        /// The file.
+        path: PathBuf,
+        /// Its id from then on.
+        id: String,
+    },
     /// Put a file back that was put away ([`crate::config::presets::put_back`]); answered by `Msg::PutBack`.
     PutBack {
         /// Where it is.

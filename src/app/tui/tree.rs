@@ -318,6 +318,15 @@ impl Tree {
         }
     }
 
+    /// Its document is called otherwise, and says the same.
+    pub fn renamed(&mut self, place: TreePlace, id: &str) {
+        let steps = self.past.iter_mut().chain(&mut self.future).chain([&mut self.current, &mut self.saved]);
+        for step in steps {
+            id.clone_into(&mut Arc::make_mut(step).preset.id);
+        }
+        self.place = place;
+    }
+
     /// The document was read again, and changes were made here: what differs from it is counted anew,
     /// and nothing that was changed is lost.
     ///

@@ -61,6 +61,8 @@ pub enum Msg {
     ForestSaved(Result<PathBuf, String>),
     /// A preset's file was put away, and where it is now; or why not.
     Removed(Result<(PathBuf, Option<PathBuf>), String>),
+    /// A preset's file has another name, from which to which; or why not.
+    Renamed(Result<(PathBuf, PathBuf), String>),
     /// A preset's file is where it was before it was put away; or why not.
     PutBack(Result<PathBuf, String>),
     /// Text comes back from `$EDITOR`, or why not.
@@ -145,6 +147,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::NoFolder(folder, order) => shape::ask_for_folder(model, folder, *order),
         Msg::ForestSaved(saved) => forest::saved(model, saved, &mut effects),
         Msg::Removed(removed) => library::file_removed(model, removed, &mut effects),
+        Msg::Renamed(renamed) => library::file_renamed(model, renamed, &mut effects),
         Msg::PutBack(back) => library::put_back(model, back, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),
         Msg::Configured(config) => {

@@ -125,6 +125,19 @@ impl ForestOnScreen {
         self.saved = Arc::clone(&self.current);
     }
 
+    /// Its document is called otherwise, and says the same.
+    pub fn renamed(&mut self, place: TreePlace, id: &str) {
+        let files = self.files.iter_mut();
+        if let (TreePlace::File(before), TreePlace::File(path)) = (&self.place, &place) {
+            files.filter(|file| *file == before).for_each(|file| file.clone_from(path));
+        }
+        let steps = self.past.iter_mut().chain(&mut self.future).chain([&mut self.current, &mut self.saved]);
+        for step in steps {
+            id.clone_into(&mut Arc::make_mut(step).id);
+        }
+        self.place = place;
+    }
+
     fn change(&mut self, forest: Forest) {
         if forest.layout != self.current.layout {
             self.past.push(std::mem::replace(&mut self.current, Arc::new(forest)));

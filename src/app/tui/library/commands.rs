@@ -3,6 +3,7 @@
 use super::filter_line::FilterLine;
 use super::open_line::OpenLine;
 use super::remove_line::RemoveLine;
+use super::rename_line::RenameLine;
 use super::tag_line::TagLine;
 use super::{back, choose, go, mark, set_filter};
 use crate::tui::command::Context;
@@ -145,6 +146,27 @@ pub const COMMANDS: &[Command] = &[
         },
         run: |model, _| {
             if let Some(line) = RemoveLine::new(model) {
+                model.dialogs.open(line);
+            }
+        },
+    },
+    Command {
+        id: "preset-rename",
+        context: Context::PRESETS,
+        keys: &["r", "f2"],
+        title: "Rename",
+        help: "Gives the selected preset of yours another name: its file is renamed, and favourites, tags, changes and the settings of its export go along",
+        hint: None,
+        hindrance: |model| {
+            without_entry(model).or_else(|| {
+                let is_other = RenameLine::new(model).is_none();
+                is_other.then(|| {
+                    "only presets of yours are renamed; 'Save as' makes a copy of any other".to_owned()
+                })
+            })
+        },
+        run: |model, _| {
+            if let Some(line) = RenameLine::new(model) {
                 model.dialogs.open(line);
             }
         },

@@ -7,6 +7,7 @@ mod commands;
 mod filter_line;
 mod open_line;
 mod remove_line;
+mod rename_line;
 mod tag_line;
 pub mod view;
 
@@ -200,9 +201,12 @@ fn reread(model: &mut Model, place: TreePlace, recipe: Recipe) {
     }
     match &mut model.tree {
         Some(tree) if tree.place == place && tree.is_modified() => {
-            model.say_warning(
-                "the file changed on disk; your changes are kept, and 'Revert all' takes what the file says",
-            );
+            // A file that was renamed, or written as it was, says nothing new.
+            if tree.saved().preset != recipe.preset {
+                model.say_warning(
+                    "the file changed on disk; your changes are kept, and 'Revert all' takes what the file says",
+                );
+            }
             if let Some(tree) = &mut model.tree {
                 tree.saved_as(place, std::sync::Arc::new(recipe));
             }
@@ -275,6 +279,26 @@ pub fn file_removed(
         }
         Err(why) => model.say_error(why),
     }
+}
+
+/// A preset's file was renamed, or why not. All that is remembered of it goes along.
+pub fn file_renamed(model: &mut Model, result: Result<(PathBuf, PathBuf), String>, effects: &mut Effects) {
+    let (from, to) = match result {
+        Ok((from, to)) => (TreePlace::File(from), to),
+        Err(why) => return model.say_error(why),
+    };
+    let id = to.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let to = TreePlace::File(to);
+    model.library.renamed(&from, &to, &id);
+    model.exporting.moved(Some(&from), &to);
+    if let Some(tree) = model.tree.as_mut().filter(|tree| tree.place == from) {
+        tree.renamed(to.clone(), &id);
+    }
+    if let Some(forest) = model.forest.as_mut().filter(|forest| forest.place == from) {
+        forest.renamed(to, &id);
+    }
+    model.say(format!("renamed to '{}'", linden::knob::excerpt(&id)));
+    effects.push(Effect::Reconfigure);
 }
 
 /// The removed preset that one undo brings back: nothing was changed since.

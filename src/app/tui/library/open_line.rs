@@ -64,6 +64,7 @@ impl OpenLine {
             targets: Vec::new(),
             levels: 1,
             seasons: Vec::new(),
+            ages: Vec::new(),
             completes: Some(typed.to_owned()),
             shown: None,
             sources: Vec::new(),

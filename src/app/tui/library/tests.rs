@@ -128,6 +128,36 @@ fn a_preset_is_removed_after_a_question() {
 }
 
 #[test]
+fn a_preset_is_renamed_and_keeps_all_that_is_known_of_it() {
+    let (dir, path, mut bench) = own_preset();
+    bench.on("points").keys("right");
+    bench.model.focus_on(Pane::Presets);
+    bench.model.library.select_place(&TreePlace::Builtin("fir"));
+    bench.keys("r");
+    assert!(bench.said().contains("only presets of yours"), "{}", bench.said());
+    bench.model.library.select_place(&TreePlace::File(path.clone()));
+    bench.model.library.toggle_favourite();
+    bench.model.library.tag(vec!["hedge".to_owned()]);
+    let turned = bench.value("points");
+    // A name that no file can have is told, and Enter takes it not.
+    bench.keys("f2").typed("/x").keys("enter");
+    assert!(text(&bench.paint(120, 40).0).contains("cannot be the name of 'mine'"));
+    bench.keys("ctrl-u").typed("yours").keys("enter");
+    let Some(Effect::Rename { path: asked, id }) = bench.effects.pop() else { panic!("{:?}", bench.effects) };
+    assert_eq!((&asked, id.as_str()), (&path, "yours"));
+    let to = crate::config::presets::rename(&asked, &id).unwrap();
+    bench.send(Msg::Renamed(Ok((path, to.clone()))));
+    assert!(bench.said().contains("renamed to 'yours'"), "{}", bench.said());
+    relist(&mut bench, dir.path());
+    let place = TreePlace::File(to);
+    let entry = bench.model.library.entry().unwrap();
+    assert_eq!((&entry.place, entry.id.as_str(), entry.is_gone), (&place, "yours", false));
+    assert!(bench.model.library.is_favourite(entry) && bench.model.library.given_tags() == ["hedge"]);
+    assert_eq!((&bench.tree().place, bench.value("points")), (&place, turned));
+    assert!(bench.tree().is_modified() && bench.tree().preset().id == "yours");
+}
+
+#[test]
 fn escape_gives_the_tree_and_the_cursor_back_from_the_filter() {
     use crate::tui::testing::Bench;
     let mut bench = Bench::new(120, 40).without_pictures().with_plain("simple");

@@ -336,6 +336,36 @@ impl Library {
         }
     }
 
+    /// What was at `from` is at `to`, and is called `id`: what is known of it goes along, also its mark and its tags.
+    /// The cursor stays on it.
+    pub fn renamed(&mut self, from: &TreePlace, to: &TreePlace, id: &str) {
+        let Some(entry) = self.entries.iter_mut().find(|entry| entry.place == *from) else { return };
+        let before = entry.key();
+        // A name that the document does not give is the file's.
+        if entry.name == entry.id {
+            id.clone_into(&mut entry.name);
+        }
+        (entry.place, entry.id) = (to.clone(), id.to_owned());
+        let after = entry.key();
+        if self.favourites.remove(&before) {
+            self.favourites.insert(after.clone());
+        }
+        if let Some(tags) = self.tags.remove(&before) {
+            self.tags.insert(after, tags);
+        }
+        for tree in self.shelf.iter_mut().filter(|tree| tree.place == *from) {
+            tree.renamed(to.clone(), id);
+        }
+        for forest in self.forests.iter_mut().filter(|forest| forest.place == *from) {
+            forest.renamed(to.clone(), id);
+        }
+        let unread = self.unread.iter_mut().map(|(place, _)| place);
+        for place in unread.chain(self.before.as_mut()).filter(|place| is_same(place, from)) {
+            *place = to.clone();
+        }
+        self.arrange();
+    }
+
     /// The rows of the list.
     pub fn rows(&self) -> &[ListRow] {
         &self.rows

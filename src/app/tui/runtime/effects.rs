@@ -86,6 +86,10 @@ impl Runtime {
                 let removed = presets::put_away(&path).map_err(|complaint| complaint.to_string());
                 self.update(Msg::Removed(removed.map(|kept| (path, kept))));
             }
+            Effect::Rename { path, id } => {
+                let renamed = presets::rename(&path, &id).map_err(|complaint| complaint.to_string());
+                self.update(Msg::Renamed(renamed.map(|to| (path, to))));
+            }
             Effect::PutBack { kept, path } => {
                 let back = presets::put_back(&kept, &path).map_err(|complaint| complaint.to_string());
                 self.update(Msg::PutBack(back.map(|()| path)));

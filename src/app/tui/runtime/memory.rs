@@ -246,6 +246,7 @@ pub fn is_kept(msg: &Msg) -> bool {
             | Msg::Saved(_)
             | Msg::ForestSaved(_)
             | Msg::Removed(_)
+            | Msg::Renamed(_)
             | Msg::PutBack(_)
             | Msg::Edited(_)
     )
