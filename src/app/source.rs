@@ -66,6 +66,9 @@ pub fn resolve_whole(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Sou
 const UNITS: &str = "a grammar has no units: a unit of F is segment_length (0.1 m), one of ! is segment_width \
                      (0.01 m thick); --set segment_length=1 reads metres";
 
+/// Knobs that say how old a plant is: `--age` and `--ages` turn them.
+pub const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
+
 /// Whether `--set` names a file by this key.
 pub fn is_file_key(name: &str) -> bool {
     Preset::is_file_key(name)

@@ -4,10 +4,7 @@ use linden::knob::printable;
 use linden::preset::{Age, AgeError, Preset};
 
 use crate::exit::usage;
-use crate::source::{Source, is_file_key};
-
-/// Knobs that say how old a plant is: `--ages` turns them.
-const OF_AGE: [&str; 3] = ["age", "years", "derivations"];
+use crate::source::{OF_AGE, Source, is_file_key};
 
 /// What a share by itself is called here.
 const UNNAMED: &str = "at";

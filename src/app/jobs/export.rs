@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
+use anyhow::Context as _;
 use linden::Monitor;
 use linden::dress::{levels, year};
 use linden::forest::{Forest, GrownForest};
@@ -32,6 +33,8 @@ pub struct ExportOrder {
     pub scene: bool,
     /// The seasons that a tree is written in; none: in the one that it is in.
     pub seasons: Vec<Season>,
+    /// The ages that a tree is written at, each by its name and with what it grows from; none: at the one that it has.
+    pub ages: Vec<(String, Arc<Recipe>)>,
     /// What is written where; `~/` may still stand before a path.
     pub outputs: Vec<Output>,
     /// Files that may be replaced, `~/` expanded: those that the user was asked about.
@@ -152,7 +155,16 @@ struct Exported {
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
     let ExportOrder {
-        subject, scene, seasons, mut outputs, replaces, makes_folders, sources, turned, ..
+        subject,
+        scene,
+        seasons,
+        ages,
+        mut outputs,
+        replaces,
+        makes_folders,
+        sources,
+        turned,
+        ..
     } = order;
     let home = std::env::home_dir();
     // They go again when the export fails.
@@ -166,7 +178,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         }
     }
     let levels = subject.levels();
-    outputs = outputs.into_iter().flat_map(|output| output.in_files(&seasons, levels)).collect();
+    let names: Vec<&str> = ages.iter().map(|(name, _)| name.as_str()).collect();
+    outputs = outputs.into_iter().flat_map(|output| files_of(output, &names, &seasons, levels)).collect();
     for output in &outputs {
         ensure_expected(output, replaces.contains(&output.path))?;
     }
@@ -178,16 +191,17 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let mut batch =
         Batch::open(outputs, sources, |output| Bundle::create(&output.path))?.with_folders(folders);
     let gauge = Gauge::new(watcher);
-    let how = HowExported { planned: &planned, scene, turned: &turned, seasons: &seasons };
+    let how = HowExported { planned: &planned, scene, turned: &turned, seasons: &seasons, age: None };
     let mut notes = draw_apart(&subject, planned.is_empty(), &mut batch, &gauge)?;
     let mut triangles = Vec::new();
     if !batch.is_written() {
         match &subject {
-            ExportSubject::Tree { recipe, shown } => {
+            ExportSubject::Tree { recipe, shown } if ages.is_empty() => {
                 let told;
                 (told, triangles) = write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?;
                 notes.extend(told);
             }
+            ExportSubject::Tree { .. } => notes.extend(write_ages(&ages, &how, &mut batch, &gauge)?),
             ExportSubject::Forest(forest) => notes.extend(write_forest(forest, &how, &mut batch, &gauge)?),
         }
     }
@@ -213,6 +227,8 @@ struct HowExported<'o> {
     scene: bool,
     turned: &'o [&'static str],
     seasons: &'o [Season],
+    /// The age that is written, where there are several.
+    age: Option<&'o str>,
 }
 
 impl HowExported<'_> {
@@ -293,13 +309,31 @@ fn write_tree(
             None => estimate.bytes(format, &output.options),
         }
     };
-    let bytes: Vec<u64> = how.planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
+    let planned = how.planned.iter().filter(|output| output.age.as_deref() == how.age);
+    let bytes: Vec<u64> = planned.map(|output| bytes(output).unwrap_or(0).max(1)).collect();
     let mut notes = grown.notes.clone();
     notes.extend_from_slice(said);
     notes.extend(how.idle(recipe));
     let triangles = triangles::of_levels(&stage);
-    write_files(&how.stage(stage), &bytes, batch, gauge, &mut notes)?;
+    write_files(&how.stage(stage), how.age, &bytes, batch, gauge, &mut notes)?;
     Ok((notes, triangles))
+}
+
+/// Grows a tree at several ages and writes each; gives the notes of all.
+fn write_ages(
+    ages: &[(String, Arc<Recipe>)],
+    how: &HowExported<'_>,
+    batch: &mut Batch,
+    gauge: &Gauge<'_>,
+) -> anyhow::Result<Vec<String>> {
+    let mut notes = Vec::new();
+    for (name, recipe) in ages {
+        let how = HowExported { age: Some(name), ..*how };
+        let (told, _) = write_tree(recipe, None, &how, batch, gauge).with_context(|| name.clone())?;
+        notes.extend(told.into_iter().map(|note| format!("{name}: {note}")));
+    }
+    batch.gather(gauge)?;
+    Ok(notes)
 }
 
 /// Grows a forest and writes it; gives the notes.
@@ -324,13 +358,22 @@ fn write_forest(
     })?;
     // How much a forest's file will be is not known before; its scenes tell the order.
     let each = vec![grown.bytes().max(1); how.planned.len()];
-    write_files(&how.stage(grown.stage()), &each, batch, gauge, &mut notes)?;
+    write_files(&how.stage(grown.stage()), None, &each, batch, gauge, &mut notes)?;
     Ok(notes)
 }
 
-/// Writes all files; each takes its share of what is left of the whole, by its bytes.
+/// The files that an output is written in. Pictures show what is on screen, at whatever ages the others are.
+pub fn files_of(output: Output, ages: &[&str], seasons: &[Season], levels: usize) -> Vec<Output> {
+    let ages = if is_apart(output.exporter.format()) { &[] } else { ages };
+    // What is a stream is refused as such.
+    let at_ages = output.clone().in_ages(ages).unwrap_or_else(|| vec![output]);
+    at_ages.into_iter().flat_map(|output| output.in_files(seasons, levels)).collect()
+}
+
+/// Writes all files, of one age where there are several; each takes its share of what is left of the whole, by its bytes.
 fn write_files(
     stage: &Stage<'_>,
+    age: Option<&str>,
     bytes: &[u64],
     batch: &mut Batch,
     gauge: &Gauge<'_>,
@@ -345,7 +388,7 @@ fn write_files(
         }
     };
     next();
-    batch.write(stage, gauge, |told| {
+    batch.write_age(age, stage, gauge, |told| {
         notes.extend_from_slice(told);
         next();
     })?;

@@ -28,6 +28,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
         subject: ExportSubject::Tree { recipe: recipe("older-c"), shown: None },
         scene: false,
         seasons: Vec::new(),
+        ages: Vec::new(),
         outputs: formats.iter().map(output).collect(),
         replaces: Vec::new(),
         makes_folders: false,
@@ -276,4 +277,20 @@ fn triangles_of_all_levels_are_those_of_the_budget() {
     assert_eq!(triangles.len(), 2);
     assert!((3800..=4200).contains(&triangles[0]) && triangles[1] < triangles[0] / 2, "{triangles:?}");
     assert!(notes.iter().all(|note| !note.contains("not met")), "{notes:?}");
+}
+
+#[test]
+fn each_age_has_a_file_of_its_own() {
+    let dir = tempfile::tempdir().unwrap();
+    let tree = recipe("older-c");
+    let at = |list: &str| {
+        let age = tree.preset.ages_of(list).unwrap().remove(0);
+        (age.name.clone(), Arc::new(tree.with_preset(tree.preset.at_age(&age).unwrap())))
+    };
+    let order = ExportOrder { ages: vec![at("half=0.5"), at("whole=1")], ..order(dir.path(), &["obj"]) };
+    let ExportNews::Done { files, .. } = ran(order, &Quiet) else { panic!("it failed") };
+    let names: Vec<_> = files.iter().map(|(path, _)| path.file_name().unwrap().to_owned()).collect();
+    assert!(names.contains(&"tree_half.obj".into()) && names.contains(&"tree_whole.obj".into()), "{names:?}");
+    let length = |name: &str| fs::metadata(dir.path().join(name)).unwrap().len();
+    assert!(length("tree_half.obj") < length("tree_whole.obj") && !dir.path().join("tree.obj").exists());
 }

@@ -11,7 +11,7 @@ use linden::season::Season;
 use linden::{Cancelled, Monitor};
 use linden_exporters::{Estimate, Existing, ExportError, Output, examine};
 
-use super::export::NO_STREAM;
+use super::export::{NO_STREAM, files_of};
 use super::{ExportNews, ShownTree};
 use crate::paths::{expand, is_one_of};
 use crate::portrait;
@@ -28,6 +28,8 @@ pub struct Inquiry {
     pub levels: usize,
     /// The seasons that it is written in; none: the one that it is in.
     pub seasons: Vec<Season>,
+    /// The names of the ages that it is written at; none: the one that it has.
+    pub ages: Vec<String>,
     /// A path that is being typed, up to the cursor, to be completed.
     pub completes: Option<String>,
     /// A tree to be estimated.
@@ -44,6 +46,7 @@ impl PartialEq for Inquiry {
             && self.targets.iter().zip(&other.targets).all(|(one, another)| is_same(one, another))
             && self.levels == other.levels
             && self.seasons == other.seasons
+            && self.ages == other.ages
             && self.completes == other.completes
             && self.sources == other.sources
             && self.shown.as_ref().map(Arc::as_ptr) == other.shown.as_ref().map(Arc::as_ptr)
@@ -114,6 +117,7 @@ fn findings(
     watcher: &dyn Monitor,
 ) -> Result<Vec<TargetFinding>, Cancelled> {
     let known = portrait::formats();
+    let ages: Vec<&str> = inquiry.ages.iter().map(String::as_str).collect();
     let mut taken = BTreeSet::<(PathBuf, OsString)>::new();
     let mut found = Vec::new();
     for target in &inquiry.targets {
@@ -132,7 +136,7 @@ fn findings(
             continue;
         }
         let output = Output::new(target.exporter, target.options.clone(), path);
-        let files = output.in_files(&inquiry.seasons, inquiry.levels);
+        let files = files_of(output, &ages, &inquiry.seasons, inquiry.levels);
         let mut whole = TargetFinding::Free;
         for file in files {
             watcher.check()?;
@@ -254,7 +258,8 @@ mod tests {
         };
         let targets = targets.iter().map(target).collect();
         let completes = completes.map(str::to_owned);
-        ask(Inquiry { round: 1, targets, levels: 1, seasons: vec![], completes, shown: None, sources })
+        let (seasons, ages) = (vec![], vec![]);
+        ask(Inquiry { round: 1, targets, levels: 1, seasons, ages, completes, shown: None, sources })
     }
 
     fn ask(inquiry: Inquiry) -> Findings {
@@ -309,6 +314,7 @@ mod tests {
             targets: vec![Output::new(obj, Options::new(obj.format()), at("fir.obj"))],
             levels,
             seasons: Season::parse_list(seasons).unwrap_or_default(),
+            ages: Vec::new(),
             completes: None,
             shown: None,
             sources: Vec::new(),
@@ -319,6 +325,11 @@ mod tests {
         let two = vec![at("fir_summer_LOD1.obj"), at("fir_autumn_LOD0.obj")];
         assert_eq!(found("summer,autumn", 2), TargetFinding::Replaces(two));
         assert!(inquiry("summer", 2) != inquiry("summer", 1) && inquiry("", 2) == inquiry("", 2));
+        // At several ages each has a file of its name, and the one that was named stays.
+        fs::write(at("fir_young.obj"), "").unwrap();
+        let aged = Inquiry { ages: vec!["young".to_owned(), "old".to_owned()], ..inquiry("", 1) };
+        assert!(aged != inquiry("", 1));
+        assert_eq!(ask(aged).targets.remove(0), TargetFinding::Replaces(vec![at("fir_young.obj")]));
     }
 
     #[test]
@@ -333,6 +344,7 @@ mod tests {
                 targets: vec![target],
                 levels,
                 seasons,
+                ages: Vec::new(),
                 completes: None,
                 shown: None,
                 sources: Vec::new(),

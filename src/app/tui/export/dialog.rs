@@ -10,7 +10,7 @@ use linden::knob::{Kind, Value};
 use linden::preset::PresetKnob;
 use linden::recipe::Recipe;
 use linden::season::Season;
-use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL};
+use linden_exporters::{Estimate, Exporter, OptionSpec, Options, Profile, USUAL};
 use tui_input::Input;
 
 use super::knobs::ExportKnobs;
@@ -27,6 +27,10 @@ use linden_exporters::{Output, default_name};
 const SCENE: &str = "scene";
 /// How it calls the seasons that are written.
 const SEASONS: &str = "seasons";
+/// How it calls the program that files are for.
+const CLIENT: &str = "for";
+/// How it calls the ages that a tree is written at.
+const AGES: &str = "ages";
 /// The option that formats have which show one view.
 const YAW: &str = "yaw";
 /// Where the dialog's keys are listened to.
@@ -44,10 +48,16 @@ pub struct ExportDialog {
     pub line: Option<Typing>,
     /// How far the start is.
     pub start: StartState,
+    /// The program that files are for.
+    pub client: Option<&'static Profile>,
     /// Whether camera, sun, sky and ground go along.
     pub scene: bool,
     /// The seasons that are written, as they were typed; empty: the one that the tree is in.
     pub seasons: String,
+    /// The ages that the tree is written at, as they were typed; empty: the one that it has.
+    pub ages: String,
+    /// The knob that says how old the tree is, where it was turned.
+    pub age_turned: Option<&'static str>,
     /// Knobs of the tree that are turned for this export; none of a forest.
     pub knobs: Option<ExportKnobs>,
     /// Options that are set as the picture on screen is: format and option by their places, and the value.
@@ -82,10 +92,14 @@ pub enum ExportSpot {
     Option(usize, usize),
     /// Where a chosen format goes.
     Target(usize),
+    /// The program that files are for.
+    Client,
     /// A knob of the tree, by its place among those that are turned here.
     Knob(usize),
     /// In which seasons the tree is written.
     Seasons,
+    /// At which ages the tree is written.
+    Ages,
     /// Whether camera, sun, sky and ground go along.
     Scene,
     /// The button.
@@ -133,13 +147,6 @@ impl FormatChoice {
         let spec = self.exporter.format().options.get(index)?;
         Some((spec, self.options.iter().nth(index)?.1))
     }
-
-    /// The options that are not as they are by themselves.
-    pub fn turned(&self) -> impl Iterator<Item = (&'static str, &Value)> {
-        let rows = self.exporter.format().options.iter().zip(self.options.iter());
-        rows.filter(|(spec, (_, value))| spec.knob.kind.parse(spec.default).as_ref() != Ok(*value))
-            .map(|(spec, (_, value))| (spec.knob.name, value))
-    }
 }
 
 impl ExportDialog {
@@ -173,11 +180,13 @@ impl ExportDialog {
         };
         let formats: Vec<_> = all.iter().map(choice).collect();
         let cursor = formats.iter().position(|choice| choice.chosen).unwrap_or(0);
-        Self {
+        let client = last.options.iter().find(|(name, _)| name == CLIENT);
+        let mut dialog = Self {
             formats,
             cursor: ExportSpot::Format(cursor),
             line: None,
             start: StartState::Idle,
+            client: None,
             scene: last.options.iter().any(|(name, value)| name == SCENE && value == "true"),
             seasons: last.options.iter().find(|(name, _)| name == SEASONS).map_or_else(
                 String::new,
@@ -185,13 +194,22 @@ impl ExportDialog {
                     if seasons_of(list).is_ok() { list.clone() } else { String::new() }
                 },
             ),
+            ages: String::new(),
+            age_turned: None,
             knobs: tree.map(ExportKnobs::new),
             as_on_screen: Vec::new(),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
             id: id.to_owned(),
+        };
+        // Names of ages are a plant's own.
+        let ages = last.options.iter().find(|(name, _)| name == AGES).map_or("", |(_, list)| list);
+        if dialog.ages_of(ages).is_ok() {
+            ages.clone_into(&mut dialog.ages);
         }
+        dialog.take_client(client.and_then(|(_, id)| Profile::find(id).ok()));
+        dialog
     }
 
     /// Ticks a format, and puts the cursor on it.
@@ -212,8 +230,9 @@ impl ExportDialog {
                 spots.extend((0..choice.exporter.format().options.len()).map(|k| ExportSpot::Option(i, k)));
             }
         }
+        spots.push(ExportSpot::Client);
         spots.extend((0..self.knobs.as_ref().map_or(0, ExportKnobs::len)).map(ExportSpot::Knob));
-        spots.extend(self.knobs.as_ref().map(|_| ExportSpot::Seasons));
+        spots.extend(self.knobs.iter().flat_map(|_| [ExportSpot::Seasons, ExportSpot::Ages]));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
@@ -311,6 +330,9 @@ impl ExportDialog {
             (self.scene, self.start) = (!self.scene, StartState::Idle);
             return true;
         }
+        if self.cursor == ExportSpot::Client {
+            return self.nudge(true);
+        }
         if let Some((knob, ..)) = self.knob_row() {
             return is_toggled(&knob.knob.kind) && self.nudge(true);
         }
@@ -323,6 +345,11 @@ impl ExportDialog {
         if let (ExportSpot::Knob(row), Some(knobs)) = (self.cursor, &mut self.knobs) {
             self.start = StartState::Idle;
             return knobs.nudge(row, up);
+        }
+        if self.cursor == ExportSpot::Client {
+            self.start = StartState::Idle;
+            self.nudge_client(up);
+            return true;
         }
         let Some((i, spec, value)) = self.option() else { return false };
         let Some(text) = nudged(&spec.knob.kind, value, up, Nudge::Usual) else { return false };
@@ -353,7 +380,8 @@ impl ExportDialog {
             }
             ExportSpot::Knob(_) => self.knob_row().map(|(_, value, _)| value.to_string()).unwrap_or_default(),
             ExportSpot::Seasons => self.seasons.clone(),
-            ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => return,
+            ExportSpot::Ages => self.ages.clone(),
+            ExportSpot::Format(_) | ExportSpot::Client | ExportSpot::Scene | ExportSpot::Start => return,
         };
         self.start = StartState::Idle;
         self.line = Some(Typing::new(&text));
@@ -361,8 +389,9 @@ impl ExportDialog {
 
     /// Takes what was typed; a value that the option refuses stays, with the reason.
     pub fn accept_line(&mut self) {
+        let Some(text) = self.line.as_ref().map(|line| line.input.value().trim().to_owned()) else { return };
+        let ages = self.ages_of(&text);
         let Some(line) = &mut self.line else { return };
-        let text = line.input.value().trim().to_owned();
         match self.cursor {
             ExportSpot::Target(i) => {
                 let choice = &mut self.formats[i];
@@ -392,7 +421,14 @@ impl ExportDialog {
                     return;
                 }
             },
-            ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => {}
+            ExportSpot::Ages => match ages {
+                Ok(_) => self.ages = text,
+                Err(problem) => {
+                    line.problem = Some(problem);
+                    return;
+                }
+            },
+            ExportSpot::Format(_) | ExportSpot::Client | ExportSpot::Scene | ExportSpot::Start => {}
         }
         self.line = None;
     }
@@ -446,6 +482,7 @@ impl ExportDialog {
             targets: chosen.map(target).collect(),
             levels: self.knobs.as_ref().map_or(levels, ExportKnobs::levels),
             seasons: self.chosen_seasons(),
+            ages: self.chosen_ages().into_iter().map(|age| age.name).collect(),
             completes: self.line.as_ref().and_then(|line| line.completes.clone()),
             shown: shown.filter(|shown| !self.is_another_tree() && self.estimate(shown).is_none()).cloned(),
             sources,
@@ -469,7 +506,8 @@ impl ExportDialog {
 
     /// Whether what is exported is not what is on screen: its size is not known.
     pub fn is_another_tree(&self) -> bool {
-        self.knobs.as_ref().is_some_and(|knobs| !knobs.is_idle()) || !self.chosen_seasons().is_empty()
+        let is_turned = self.knobs.as_ref().is_some_and(|knobs| !knobs.is_idle());
+        is_turned || !self.chosen_seasons().is_empty() || !self.chosen_ages().is_empty()
     }
 
     /// The seasons that are written; none: the one that the tree is in.
@@ -535,11 +573,15 @@ impl ExportDialog {
     /// What was chosen, for next time.
     pub fn choices(&self) -> session::ExportChoices {
         let mut options = Vec::new();
+        options.extend(self.client.map(|client| (CLIENT.to_owned(), client.id.to_owned())));
         if self.scene {
             options.push((SCENE.to_owned(), "true".to_owned()));
         }
         if !self.seasons.is_empty() {
             options.push((SEASONS.to_owned(), self.seasons.clone()));
+        }
+        if !self.ages.is_empty() {
+            options.push((AGES.to_owned(), self.ages.clone()));
         }
         for (i, choice) in self.formats.iter().enumerate() {
             let format = choice.exporter.format();

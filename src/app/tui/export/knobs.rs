@@ -19,6 +19,8 @@ pub struct ExportKnobs {
     turned: Preset,
     /// Those of [`KNOBS`] that the tree has.
     rows: Vec<PresetKnob>,
+    /// Those of the program that the files are for, which the tree has.
+    suited: Vec<PresetKnob>,
 }
 
 impl ExportKnobs {
@@ -27,7 +29,23 @@ impl ExportKnobs {
         let all = tree.preset.knobs();
         let found = |name: &str| all.iter().find(|(row, _)| row.knob.name == name).map(|(row, _)| *row);
         let rows = KNOBS.into_iter().filter_map(found).collect();
-        Self { tree: Arc::clone(tree), turned: tree.preset.clone(), rows }
+        Self { tree: Arc::clone(tree), turned: tree.preset.clone(), rows, suited: Vec::new() }
+    }
+
+    /// Turns the knobs that suit a program; those of the one before are the tree's again.
+    pub fn suit(&mut self, knobs: &[(&'static str, &'static str)]) {
+        for before in std::mem::take(&mut self.suited) {
+            if let Some(text) = text_in(&self.tree.preset, &before) {
+                // It is what the tree has.
+                let _ = self.turned.set(before.knob.name, &text);
+            }
+        }
+        let all = self.turned.knobs();
+        for (name, value) in knobs {
+            let knob = all.iter().find(|(knob, _)| knob.knob.name == *name).map(|(knob, _)| *knob);
+            // What the tree has not is not asked of it.
+            self.suited.extend(knob.filter(|_| self.turned.set(name, value).is_ok()));
+        }
     }
 
     /// How many rows there are.
@@ -58,11 +76,9 @@ impl ExportKnobs {
 
     /// The names and values that are not the tree's.
     pub fn turned(&self) -> impl Iterator<Item = (&'static str, String)> {
-        let rows = (0..self.rows.len()).filter_map(|row| self.row(row));
-        let text =
-            |knob: &PresetKnob, value: &Value| self.turned.text_of(knob).unwrap_or_else(|| value.to_string());
-        rows.filter(|(.., differs)| *differs)
-            .map(move |(knob, value, _)| (knob.knob.name, text(knob, &value)))
+        let differs = |knob: &&PresetKnob| self.turned.differs(knob, &self.tree.preset);
+        let text = |knob: &PresetKnob| Some((knob.knob.name, text_in(&self.turned, knob)?));
+        self.rows.iter().chain(&self.suited).filter(differs).filter_map(text)
     }
 
     /// Turns knobs by their names, as far as they can be.
@@ -75,6 +91,11 @@ impl ExportKnobs {
         }
     }
 
+    /// The tree with what is turned here.
+    pub fn preset(&self) -> &Preset {
+        &self.turned
+    }
+
     /// The levels of detail that are written.
     pub fn levels(&self) -> usize {
         self.turned.dressing.detail.levels()
@@ -84,4 +105,9 @@ impl ExportKnobs {
     pub fn is_idle(&self) -> bool {
         self.turned().next().is_none()
     }
+}
+
+/// A knob of a preset, as it is typed.
+pub fn text_in(preset: &Preset, knob: &PresetKnob) -> Option<String> {
+    preset.text_of(knob).or_else(|| knob.read(preset).map(|value| value.to_string()))
 }

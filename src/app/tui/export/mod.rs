@@ -4,6 +4,8 @@
 //! hands to [`look`](crate::jobs::look) on a lane, and the answer comes as news. One export runs at a
 //! time; others wait in line.
 
+mod ages;
+mod client;
 mod commands;
 mod dialog;
 mod knobs;
@@ -170,6 +172,7 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let kept = model.exporting.kept_of(model.place());
     let choices = kept.map_or(&model.exporting.last, |kept| &kept.choices);
     let mut dialog = ExportDialog::new(choices, id, &all, tree);
+    dialog.age_turned = model.tree.as_ref().and_then(ages::age_turned);
     let named = model.exporting.named.as_ref().filter(|named| Some(&named.place) == model.place());
     if let Some(named) = named {
         dialog.name(&named.targets);
@@ -218,7 +221,7 @@ pub fn words(model: &Model) -> Option<ExportWords> {
         is_told &= of_name.is_ok_and(|other| other.format().id == format.id);
         formats.push(format.id);
         words.outputs.extend(["-o".to_owned(), path]);
-        for (name, value) in choice.turned() {
+        for (name, value) in choice.turned(dialog.client) {
             words.options.extend(["--set".to_owned(), format!("{}.{name}={value}", format.id)]);
         }
     }
@@ -228,10 +231,16 @@ pub fn words(model: &Model) -> Option<ExportWords> {
     if !is_told {
         words.outputs.extend(["--format".to_owned(), formats.join(",")]);
     }
+    if let Some(client) = dialog.client {
+        words.outputs.extend(["--for".to_owned(), client.id.to_owned()]);
+    }
     if let Some(knobs) = &dialog.knobs {
         words.knobs.extend(knobs.turned());
         if !dialog.seasons.trim().is_empty() {
             words.options.extend(["--seasons".to_owned(), dialog.seasons.trim().to_owned()]);
+        }
+        if !dialog.chosen_ages().is_empty() {
+            words.options.extend(["--ages".to_owned(), dialog.ages.trim().to_owned()]);
         }
     }
     if dialog.scene {
@@ -342,6 +351,14 @@ fn start(model: &mut Model, effects: &mut Effects) {
     };
     let (outputs, replaces, scene) = (dialog.outputs(), dialog.replaced(), dialog.scene);
     let seasons = dialog.chosen_seasons();
+    let ages = match &subject {
+        ExportSubject::Tree { recipe, .. } => ages::at_ages(recipe, &dialog.chosen_ages(), &turned),
+        ExportSubject::Forest(_) => Ok(Vec::new()),
+    };
+    let ages = match ages {
+        Ok(ages) => ages,
+        Err(why) => return model.say_warning(format!("Export: the ages '{}': {why}", dialog.ages)),
+    };
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let targets = dialog.targets();
     let kept = model.place().cloned().map(|place| dialog.kept(place));
@@ -357,6 +374,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
         subject,
         scene,
         seasons,
+        ages,
         outputs,
         replaces,
         makes_folders,
@@ -394,8 +412,12 @@ impl ExportDialog {
                 model.say("y is yes, n is no");
             }
             ExportSpot::Start => self.press_start(model),
-            ExportSpot::Target(_) | ExportSpot::Seasons => self.begin_line(),
-            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Knob(_) | ExportSpot::Scene => {
+            ExportSpot::Target(_) | ExportSpot::Seasons | ExportSpot::Ages => self.begin_line(),
+            ExportSpot::Format(_)
+            | ExportSpot::Option(..)
+            | ExportSpot::Client
+            | ExportSpot::Knob(_)
+            | ExportSpot::Scene => {
                 if !self.toggle() {
                     self.begin_line();
                 }

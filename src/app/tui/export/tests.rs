@@ -169,7 +169,7 @@ impl ExportBench {
     }
 
     fn click(&mut self, wanted: Target) -> Effects {
-        let (_, view) = self.screen(100, 52);
+        let (_, view) = self.screen(100, 56);
         let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
         let kind = MouseEventKind::Down(MouseButton::Left);
         let (column, row) = (area.x + 1, area.y);
@@ -1021,6 +1021,84 @@ fn the_copied_command_makes_the_files_of_the_dialog() {
     let plain: Vec<&str> =
         plain.into_iter().filter(|word| !word.contains("glb,") && !word.contains(",glb")).collect();
     assert_eq!(plain, wanted);
+}
+
+#[test]
+fn a_program_sets_what_suits_it_and_the_copied_command_says_so() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    let glb = place_of("glb");
+    let value = |bench: &ExportBench, name: &str| {
+        bench.dialog().formats[glb].options.value(name).map(ToString::to_string).unwrap()
+    };
+    bench.go_to(option_of("glb", "pictures"));
+    bench.keys("space");
+    bench.go_to(ExportSpot::Client);
+    assert!(bench.text(100, 30).contains("‹ any program ›"), "{}", bench.text(100, 30));
+    bench.keys("right right");
+    assert_eq!(bench.dialog().client.map(|client| client.id), Some("godot"));
+    assert_eq!((value(&bench, "lods"), value(&bench, "wind_as")), ("files".to_owned(), "packed".to_owned()));
+    // What is set by hand holds against it, and is told; what suits it is not.
+    bench.go_to(option_of("glb", "lods"));
+    bench.keys("right");
+    let by_hand = value(&bench, "lods");
+    bench.keys("esc");
+    let effects = bench.keys("y");
+    let [Effect::Copy(line)] = &effects[..] else { panic!("{effects:?}") };
+    assert!(line.contains("--for godot") && line.contains("glb.pictures=false"), "{line}");
+    assert!(line.contains(&format!("glb.lods={by_hand}")) && !line.contains("wind_as"), "{line}");
+    // Opened again it is there; without a program only that is left which was set by hand.
+    bench.keys("e");
+    bench.go_to(ExportSpot::Client);
+    bench.keys("left left");
+    assert!(bench.dialog().client.is_none());
+    assert_eq!((value(&bench, "lods"), value(&bench, "pictures")), (by_hand, "false".to_owned()));
+    assert_ne!(value(&bench, "wind_as"), "packed");
+    // Of slicers the plant is told, and that they do not read what is ticked.
+    bench.keys("left");
+    assert!(bench.text(100, 30).contains("not known to read glb: write 3mf"), "{}", bench.text(100, 30));
+    let order = ExportBench::order(bench.keys("x"));
+    let knobs = tree_of(&order).0.preset.knobs();
+    let junction =
+        knobs.iter().find(|(row, _)| row.knob.name == "junction").map(|(_, value)| value.to_string());
+    assert_eq!(junction.as_deref(), Some("watertight"));
+}
+
+#[test]
+fn several_ages_are_written_and_copied() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    bench.go_to(ExportSpot::Ages);
+    bench.keys("enter");
+    bench.retype("half");
+    bench.keys("enter");
+    assert!(bench.dialog().line.is_some(), "no age of this plant");
+    bench.retype("half=0.5, whole=1");
+    bench.keys("enter");
+    assert!(bench.text(100, 30).contains("● ages half=0.5, whole=1"), "{}", bench.text(100, 30));
+    fs::write(bench.at("older-c_half.glb"), "before").unwrap();
+    bench.keys("esc");
+    let effects = bench.keys("y");
+    assert!(
+        matches!(&effects[..], [Effect::Copy(line)] if line.contains("--ages 'half=0.5, whole=1'")),
+        "{effects:?}"
+    );
+    bench.keys("e");
+    let order = ExportBench::order(bench.keys("x y"));
+    assert_eq!(order.replaces, [Path::new(&bench.at("older-c_half.glb"))]);
+    let names: Vec<&str> = order.ages.iter().map(|(name, _)| name.as_str()).collect();
+    assert_eq!(names, ["half", "whole"]);
+    assert!(order.ages[0].1.preset != order.ages[1].1.preset);
+    // A tree whose age is turned cannot have several.
+    bench.keys("R");
+    bench.model.tree.as_mut().unwrap().set("derivations", "1", Instant::now()).unwrap();
+    bench.keys("e");
+    assert!(bench.dialog().chosen_ages().is_empty());
+    bench.go_to(ExportSpot::Ages);
+    bench.keys("enter");
+    bench.retype("half=0.5");
+    bench.keys("enter");
+    assert!(bench.text(100, 30).contains("'derivations' is turned"), "{}", bench.text(100, 30));
 }
 
 #[test]

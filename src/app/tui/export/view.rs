@@ -51,6 +51,9 @@ const SHORT: usize = 18;
 /// What the list of seasons is for, and how it is typed.
 const SEASONS: &str = "several seasons at once: in one file where the format holds them, else a file each";
 const SEASONS_HOW: &str = "summer,autumn or spring=0.05,bare or all; empty: as it is on screen";
+/// What the list of ages is for, and how it is typed.
+const AGES: &str = "several ages at once, a file each; in USD also one over them, with the ages as variants";
+const AGES_HOW: &str = "names that the plant has for them (all), shares of its growth like half=0.5, years like 10y; empty: as it is on screen";
 /// What the switch is for.
 const SCENE: &str = "with a camera that frames it, sun, sky and ground, in formats that hold them";
 
@@ -192,6 +195,9 @@ fn set_here(dialog: &ExportDialog) -> String {
     if !dialog.seasons.is_empty() {
         set.push(format!("seasons {}", linden::knob::printable(&dialog.seasons)));
     }
+    if !dialog.chosen_ages().is_empty() {
+        set.push(format!("ages {}", linden::knob::printable(&dialog.ages)));
+    }
     format!("● {}: its size is known when it is written", set.join(", "))
 }
 
@@ -238,8 +244,10 @@ impl RowPainter<'_> {
             ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
             ExportSpot::Option(i, k) => self.option(i, k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
+            ExportSpot::Client => self.client(base, buffer),
             ExportSpot::Knob(row) => self.knob(row, base, buffer, view),
-            ExportSpot::Seasons => self.seasons(base, buffer, view),
+            ExportSpot::Seasons => self.list("seasons", &self.dialog.seasons, SEASONS, base, buffer, view),
+            ExportSpot::Ages => self.list("ages", &self.dialog.ages, AGES, base, buffer, view),
             ExportSpot::Scene => self.scene(base, buffer),
             ExportSpot::Start => self.start(buffer, view),
         }
@@ -351,20 +359,33 @@ impl RowPainter<'_> {
         self.about(x + 2, knob.knob.help, base, buffer);
     }
 
-    /// In which seasons it is written.
-    fn seasons(&self, base: Style, buffer: &mut Buffer, view: &mut View) {
+    /// The program that the files are for.
+    fn client(&self, base: Style, buffer: &mut Buffer) {
         let (theme, end) = (&self.model.config.theme, self.area.right());
-        let list = self.dialog.seasons.as_str();
+        let x = self.text(self.area.x + 1, end, "for", base, buffer).max(self.area.x + KNOB_NAME) + 1;
+        let name = self.dialog.client.map_or("any program", |client| client.id);
+        let x = self.text(x, end, &format!("‹ {name} ›"), base.patch(theme.value), buffer);
+        match self.dialog.unread().first() {
+            Some(why) => {
+                self.text(x + 2, end, &format!("! {why}"), base.patch(theme.warning), buffer);
+            }
+            None => self.about(x + 2, &self.dialog.client_about(), base, buffer),
+        }
+    }
+
+    /// In which seasons, or at which ages, it is written.
+    fn list(&self, name: &str, list: &str, about: &str, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let (theme, end) = (&self.model.config.theme, self.area.right());
         if !list.is_empty() {
             self.text(self.area.x, end, "●", base.patch(theme.modified), buffer);
         }
-        let x = self.text(self.area.x + 1, end, "seasons", base, buffer).max(self.area.x + KNOB_NAME) + 1;
+        let x = self.text(self.area.x + 1, end, name, base, buffer).max(self.area.x + KNOB_NAME) + 1;
         if self.line(x, buffer, view) {
             return;
         }
         let shown = if list.is_empty() { "as it is" } else { list };
         let x = self.text(x, end, &linden::knob::printable(shown), base.patch(theme.value), buffer);
-        self.about(x + 2, SEASONS, base, buffer);
+        self.about(x + 2, about, base, buffer);
     }
 
     fn scene(&self, base: Style, buffer: &mut Buffer) {
@@ -537,7 +558,12 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
             }
             None => (String::new(), theme.popup),
         },
+        ExportSpot::Client => match dialog.unread() {
+            unread if unread.is_empty() => (dialog.client_about(), theme.popup),
+            unread => (unread.join("; "), theme.warning),
+        },
         ExportSpot::Seasons => (format!("{SEASONS}; {SEASONS_HOW}"), theme.popup),
+        ExportSpot::Ages => (format!("{AGES}; {AGES_HOW}"), theme.popup),
         ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
         ExportSpot::Start => match dialog.start {
             StartState::Asking => {
