@@ -12,6 +12,7 @@ use glam::Vec2;
 use linden::grow::Obstruction;
 use linden_raster::{Camera, Paint, Size, View};
 use linden_terminal::Encoded;
+use linden_terminal::probe::Graphics;
 use ratatui::layout::Rect;
 
 pub use commands::{COMMANDS, camera_rows};
@@ -33,6 +34,8 @@ const FRAME_REMOTE: Duration = Duration::from_millis(250);
 const FAST: Duration = Duration::from_millis(14);
 /// How long the picture of the tree before stands as it is: what comes sooner would flicker.
 const GREYS: Duration = Duration::from_millis(250);
+/// Nodes of a tree whose surface takes seconds.
+const LARGE: usize = 5000;
 /// Degrees a cell of dragging.
 const DRAG_DEG: f32 = 3.0;
 
@@ -238,11 +241,16 @@ fn detail(model: &Model) -> Detail {
     if hurried { Detail::Draft } else { Detail::Full }
 }
 
-/// Whether nothing of what is chosen was drawn yet: a draft of it comes before all else, but on a network, where it
-/// would cost what the full picture costs.
+/// Whether nothing of what is chosen was drawn yet: a draft of it comes before all else. On a network, where it costs
+/// bytes, that of a tree alone whose full picture takes seconds, and no pixels.
 fn lacks_its_own(model: &Model) -> bool {
     let picture = &model.picture;
-    (picture.is_of_before || picture.painted.is_none()) && !model.terminal.remote.value
+    let is_worth_it = || {
+        let is_large = |shown: &Arc<ShownTree>| shown.grown.skeleton.positions.len() > LARGE;
+        let tree = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+        model.terminal.graphics.value == Graphics::Cells && tree.is_some_and(is_large)
+    };
+    (picture.is_of_before || picture.painted.is_none()) && (!model.terminal.remote.value || is_worth_it())
 }
 
 /// When the picture of the tree before is greyed; `None` where there is none, and on a network.

@@ -170,6 +170,22 @@ fn a_draft_comes_first_however_long_the_tree_grew() {
 }
 
 #[test]
+fn over_a_network_a_draft_comes_first_of_large_trees_alone() {
+    for (derivations, detail) in [("2", Detail::Full), ("6", Detail::Draft)] {
+        let mut bench =
+            Bench::on(120, 40, &[("SSH_CONNECTION", "10.0.0.1 1 10.0.0.2 22")], "auto").with_tree();
+        let tree = bench.model.tree.as_mut().unwrap();
+        tree.set("derivations", derivations, Instant::now()).unwrap();
+        let recipe = Arc::clone(tree.wanted());
+        (bench.model.picture.is_of_before, bench.model.picture.fast) = (true, false);
+        bench.wait(Duration::from_secs(5));
+        let grown = crate::jobs::grow_shown(&recipe, &crate::jobs::Watcher::idle()).unwrap();
+        bench.msg(Msg::Grown(grown));
+        assert_eq!(wanted(&bench.model).unwrap().detail, detail, "{derivations} derivations");
+    }
+}
+
+#[test]
 fn the_picture_of_another_tree_is_greyed_but_not_on_a_network() {
     for (says, greys) in [(&[][..], true), (&[("SSH_CONNECTION", "10.0.0.1 1 10.0.0.2 22")], false)] {
         let mut bench = Bench::on(120, 40, says, "auto").with_tree();
