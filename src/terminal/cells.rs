@@ -289,7 +289,9 @@ impl Seen {
                 splits.push(if monochrome {
                     let drawn = places.enumerate().fold(0, |drawn, (i, at)| drawn | u32::from(ink[at]) << i);
                     let light = mean(&cell, drawn, behind);
-                    let ink = dither.as_mut().map_or_else(|| bytes(light), |few| few.one(light, behind, (column, row)));
+                    let ink = dither
+                        .as_mut()
+                        .map_or_else(|| bytes(light), |few| few.one(light, behind, (column, row)));
                     Split { drawn, ink, paper: None }
                 } else if let Some(few) = &mut dither {
                     few.split(&cell, behind, (column, row))

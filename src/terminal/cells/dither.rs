@@ -69,7 +69,8 @@ impl Dither {
     fn pair(&mut self, light: [f32; 3], (column, row): (usize, usize)) -> Pair {
         // Finer steps than a palette can show only take time.
         let rounded = bytes(light).map(|c| c & !3);
-        let at = rounded.iter().fold(0_usize, |hash, &c| hash.wrapping_mul(131).wrapping_add(c.into())) % PLACES;
+        let at =
+            rounded.iter().fold(0_usize, |hash, &c| hash.wrapping_mul(131).wrapping_add(c.into())) % PLACES;
         let pairs = match self.found[at] {
             Some((known, pairs)) if known == rounded => pairs,
             _ => self.palette.square(self.palette.wanted(rounded.map(|c| decode(f32::from(c) / 255.0)))),
@@ -188,16 +189,20 @@ impl Mixes {
     /// The pair whose mixes come nearest to a colour.
     fn best(&self, target: [f32; 3]) -> Pair {
         let near = self.near(target);
-        let pairs = near.iter().enumerate().flat_map(|(at, &one)| {
-            near[..=at].iter().map(move |&other| [one.min(other), one.max(other)])
-        });
+        let pairs = near
+            .iter()
+            .enumerate()
+            .flat_map(|(at, &one)| near[..=at].iter().map(move |&other| [one.min(other), one.max(other)]));
         let pairs = pairs.filter(|&[first, second]| first == second || !self.is_bright(first));
         let cost = |pair: Pair| {
             let [first, second] = pair.map(|entry| self.entries[entry].lab);
             let astray = off_hue(first, target) + off_hue(second, target);
             self.nearest(pair, target).away + GRAIN * difference(first, second) + ASTRAY * astray
         };
-        pairs.map(|pair| (cost(pair), pair)).min_by(|a, b| a.0.total_cmp(&b.0)).map_or([0; 2], |(_, pair)| pair)
+        pairs
+            .map(|pair| (cost(pair), pair))
+            .min_by(|a, b| a.0.total_cmp(&b.0))
+            .map_or([0; 2], |(_, pair)| pair)
     }
 
     /// Whether an entry is one that cannot be relied on as paper.
