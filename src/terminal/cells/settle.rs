@@ -83,7 +83,7 @@ struct Set {
 impl Set {
     /// Whether it is one that terminals of 16 colours are sure to have as ink alone: behind text the bright ones
     /// blink, or are dark.
-    fn is_ink_alone(&self) -> bool {
+    const fn is_ink_alone(self) -> bool {
         is_bright(self.color)
     }
 }
