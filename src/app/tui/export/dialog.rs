@@ -231,8 +231,9 @@ impl ExportDialog {
             }
         }
         spots.push(ExportSpot::Client);
+        spots.extend(self.knobs.as_ref().map(|_| ExportSpot::Ages));
         spots.extend((0..self.knobs.as_ref().map_or(0, ExportKnobs::len)).map(ExportSpot::Knob));
-        spots.extend(self.knobs.iter().flat_map(|_| [ExportSpot::Seasons, ExportSpot::Ages]));
+        spots.extend(self.knobs.as_ref().map(|_| ExportSpot::Seasons));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
