@@ -252,8 +252,8 @@ fn a_forests_picture_is_that_of_the_command_line() {
     workbench.settle();
     workbench.keys("e");
     workbench.wait_for_text("[x] glb");
-    // Above the scene: the last format.
-    workbench.keys("Gkk");
+    // Above the scene and the program that files are for: the last format.
+    workbench.keys("Gkkk");
     workbench.settle();
     workbench.keys(" ");
     workbench.wait_for_text("[x] png");
