@@ -16,7 +16,7 @@ const DIRECTIONS: usize = 4;
 const SQUARES: usize = 48;
 /// What a leaf covers, on average over how it may lie, as a share of the square of its length: leaves are half as wide
 /// as long, or twigs half full of them, and half of that is seen.
-const COVERED: f32 = 0.25;
+pub(super) const COVERED: f32 = 0.25;
 /// Of the foliage on a line of sight, this share is in front.
 const IN_FRONT: f32 = 0.5;
 

@@ -217,8 +217,10 @@ mod tests {
             |notes: &[String]| notes.iter().filter(|note| note.starts_with("lod_form: level 1 ")).count();
         assert_eq!(said(&notes(&wanted)), 0);
         let bare = [("leaf_keep", "0"), ("fruit.leaf_keep", "0")];
-        assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 1);
-        assert_eq!(said(&notes(&[&wanted[..1], &bare].concat())), 0, "nobody asked for one");
+        assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 0, "there are its twigs");
+        let all = ("triangles", "9000000");
+        assert_eq!(said(&notes(&[&[all, wanted[1]], &bare[..]].concat())), 1);
+        assert_eq!(said(&notes(&[&[all], &bare[..]].concat())), 0, "nobody asked for one");
     }
 
     #[test]

@@ -249,7 +249,7 @@ const fn rounded(number: usize) -> usize {
 const LEAVES_ON_CARDS_PX: u32 = 256;
 
 /// For notes.
-const NO_CARDS: &str = "no level needs them, since enough leaves are left in each";
+const NO_CARDS: &str = "no level needs them, since enough leaves and twigs are left in each";
 
 /// Which levels there are to be of a tree.
 struct Plan {
@@ -397,6 +397,14 @@ impl Plan {
                 let foliage = &specimen.dressing.foliage;
                 let simplifiers = (0..details.len())
                     .map(|number| simplifier.in_level(foliage, number, monitor))
+                    .collect::<Result<Vec<_>, _>>()?;
+                let details = &simplifiers
+                    .iter()
+                    .zip(details.iter().zip(&self.budgets))
+                    .map(|(simplifier, (level, budget))| match detail.branch_cards {
+                        true => simplifier.with_twigs(level, budget.triangles, monitor),
+                        false => Ok(*level),
+                    })
                     .collect::<Result<Vec<_>, _>>()?;
                 let are_seen = specimen.wanted.surface;
                 let mut pieces = Vec::new();

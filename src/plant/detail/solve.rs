@@ -14,6 +14,10 @@ const WOOD_FIRST: f64 = 1.25;
 const LEAVES_AS_THEY_ARE: f64 = 0.7;
 /// Cards are pieces of several sites, at least here and there: no more than this share of them.
 const MOST_SITES: f64 = 0.9;
+/// Where less than this share of what is seen of a tree would be left without its twigs, cards show these.
+const WOOD_AS_IT_IS: f64 = 0.7;
+/// The share of a budget that is for wood beside cards of twigs alone.
+const TWIGLESS: f64 = 0.35;
 /// The least share of a budget that the wood has beside cards, as far as there is any: with less, limbs that are seen
 /// through the crown are left out, and what hangs on them floats in the air (an olive of 5000 triangles).
 const LIMBS: f64 = 0.22;
@@ -37,9 +41,8 @@ pub struct Amount {
     pub sites: u64,
 }
 
-/// How `budget` triangles are spent on a tree, `with_cards` where these may stand for leaves. Bare wood has none: its
-/// twigs, thinned out, look more like the tree than pictures of them (an oak of 20000 triangles in winter covers 0.72
-/// of what both cover, against 0.65).
+/// How `budget` triangles are spent on a tree, `with_cards` where these may stand for leaves. What a tree has beside
+/// leaves counts in [`Simplifier::within`].
 pub fn shares(budget: u64, tree: Amount, with_cards: bool) -> Shares {
     let Amount { wood, leaves, sites } = tree;
     let for_wood = share_of_wood(budget, wood, leaves);
@@ -51,6 +54,11 @@ pub fn shares(budget: u64, tree: Amount, with_cards: bool) -> Shares {
     let in_cards = with_cards && !are_many_left && for_cards > 0 && beside_cards < wood;
     let for_limbs = ((LIMBS * budget as f64) as u64).min(wood);
     Shares { wood: if in_cards { beside_cards.max(for_limbs) } else { for_wood }, in_cards }
+}
+
+/// How many of `budget` triangles are the wood's beside cards of twigs.
+fn beside_twigs(budget: u64) -> u64 {
+    (TWIGLESS * budget as f64) as u64
 }
 
 /// How many of `budget` triangles are the wood's where leaves are thinned out.
@@ -180,6 +188,20 @@ impl Simplifier<'_> {
         if is_whole {
             return Ok(all);
         }
+        let thinned = self.thinned_within(budget, [wood, leaves], floor, monitor)?;
+        let are_missed = with_cards && self.outline.share_with(&self.wood, &thinned) < WOOD_AS_IT_IS;
+        let in_cards = if are_missed { self.twigs_in_cards(budget, wood, floor, monitor)? } else { None };
+        Ok(in_cards.unwrap_or(thinned))
+    }
+
+    /// The detail with `budget` triangles and no cards.
+    fn thinned_within(
+        &self,
+        budget: u64,
+        [wood, leaves]: [u64; 2],
+        floor: Floor,
+        monitor: &dyn Monitor,
+    ) -> Result<Detail, DetailError> {
         // Each needs its least.
         let most = budget - self.leaves.least();
         let for_wood = share_of_wood(budget, wood, leaves).max(self.least_wood(floor, monitor)?).min(most);
@@ -217,17 +239,67 @@ impl Simplifier<'_> {
         // What stems keep is not taken from the limbs.
         let least_wood = self.least_wood(floor, monitor)?;
         let kept = least_wood.saturating_sub(self.least_wood(Floor::NONE, monitor)?);
-        let for_wood = (shares.wood + kept).min(wood).clamp(least_wood, left.max(least_wood));
-        let mut detail = self.wood_within(for_wood, floor, monitor)?;
-        detail.leaf_share = leaf_share;
-        let used = self.wood_triangles(&detail, monitor)? + beside;
+        let most_wood = if self.outline.is_mostly_wood() { beside_twigs(left) } else { u64::MAX };
+        let for_wood = (shares.wood.min(most_wood) + kept).min(wood).clamp(least_wood, left.max(least_wood));
+        let detail = Detail { leaf_share, ..self.wood_within(for_wood, floor, monitor)? };
+        let (detail, found) = self.filled_up(&detail, budget, monitor)?;
+        let is_met = forms.wants_cards || within(PROMISED, found, budget);
+        Ok((detail.card_m > 0.0 && is_met).then_some(detail))
+    }
+
+    /// The detail with `budget` triangles and cards of twigs, with what grows on them; `None` where cards cannot meet it.
+    fn twigs_in_cards(
+        &self,
+        budget: u64,
+        wood: u64,
+        floor: Floor,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Detail>, DetailError> {
+        let leaf_share =
+            self.share_beside_cards(budget.saturating_sub(share_of_wood(budget, wood, self.leaves.all())));
+        let left = budget.saturating_sub(self.leaves.triangles(leaf_share, Which::BesideCards));
+        let for_wood = beside_twigs(left).max(self.least_wood(floor, monitor)?).min(left);
+        let detail = Detail { leaf_share, ..self.wood_within(for_wood, floor, monitor)? };
+        let (detail, found) = self.filled_up(&detail, budget, monitor)?;
+        Ok((detail.card_m > 0.0 && within(PROMISED, found, budget)).then_some(detail))
+    }
+
+    /// The same wood, and leaves beside cards, with as many cards as a budget has room for, none where it has none for any;
+    /// and how many triangles that is.
+    fn filled_up(
+        &self,
+        detail: &Detail,
+        budget: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<(Detail, u64), DetailError> {
+        let beside = self.leaves.triangles(detail.leaf_share, Which::BesideCards);
+        let used = self.wood_triangles(detail, monitor)? + beside;
         let rest = budget.saturating_sub(used);
-        let burden = self.burden(&detail);
+        let burden = self.burden(detail);
         let size_m = self.size_of_pieces(&burden, rest / TRIANGLES, monitor)?;
         let cards = TRIANGLES * burden.count(size_m, monitor)? as u64;
-        detail.card_m = size_m;
-        let is_met = forms.wants_cards || within(PROMISED, used + cards, budget);
-        Ok((cards > 0 && cards <= rest && is_met).then_some(detail))
+        let card_m = if (1..=rest).contains(&cards) { size_m } else { 0.0 };
+        Ok((Detail { card_m, ..*detail }, used + cards))
+    }
+
+    /// A level of the fullest season as this tree has it, that is bare or nearly: the same wood, and cards that use what
+    /// leaves do not.
+    pub(super) fn with_twigs(
+        &self,
+        fullest: &Detail,
+        budget: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<Detail, DetailError> {
+        // Where leaves are as they are, these leave room for cards, or the wood is all that there is.
+        let is_room_for_cards = || {
+            let has_room = 2 * self.wood_triangles(fullest, monitor)? <= budget;
+            Ok::<_, DetailError>(has_room && self.outline.share_with(&self.wood, fullest) < WOOD_AS_IT_IS)
+        };
+        if !self.outline.is_mostly_wood() || !(fullest.card_m > 0.0 || is_room_for_cards()?) {
+            return Ok(*fullest);
+        }
+        let (detail, _) = self.filled_up(fullest, budget, monitor)?;
+        Ok(if detail.card_m > 0.0 { detail } else { *fullest })
     }
 
     /// The share of the leaves beside cards: they get of what all leaves may have what they are of these by weight.
@@ -412,6 +484,32 @@ mod tests {
             }
         }
         assert!(checked > 60, "{checked}");
+    }
+
+    /// Thinned out, an oak of 4000 triangles in winter was half as high, and a bare tree of a grammar covered a third.
+    #[test]
+    fn twigs_go_on_cards_where_many_of_a_bare_tree_would_be_left_out() {
+        for (id, knobs) in [
+            ("abop-ternary-b", [].as_slice()),
+            ("hazel", &[("season", "1")]),
+            ("hazel", &[("season", "0.98")]),
+        ] {
+            let subject = Subject::builtin(id, knobs);
+            let grown = subject.grow();
+            let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+            let full = simplifier.full_triangles(&Quiet).unwrap();
+            let share = |detail: &Detail| simplifier.outline.share_with(&simplifier.wood, detail);
+            let detail = simplifier.within(4000, true, &Quiet).unwrap();
+            let found = simplifier.triangles(&detail, &Quiet).unwrap();
+            assert!(
+                detail.card_m > 0.0 && (3800..=4000).contains(&found),
+                "{id} {knobs:?}: {found} {detail:?}"
+            );
+            let thinned = simplifier.within(4000, false, &Quiet).unwrap();
+            assert!(thinned.card_m == 0.0 && share(&thinned) < WOOD_AS_IT_IS, "{id} {knobs:?}");
+            let fine = simplifier.within(full * 9 / 10, true, &Quiet).unwrap();
+            assert!(fine.card_m == 0.0 && share(&fine) > WOOD_AS_IT_IS, "{id} {knobs:?}: {fine:?}");
+        }
     }
 
     #[test]

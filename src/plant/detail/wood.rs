@@ -83,6 +83,10 @@ impl<'a> Wood<'a> {
         self.axis_of.iter().map(|&axis| self.stays[axis as usize] < detail.smallest_radius_m).collect()
     }
 
+    pub const fn skeleton(&self) -> &Skeleton {
+        self.skeleton
+    }
+
     /// The thickest that the tree has, metres.
     pub fn thickest_m(&self) -> f32 {
         thickest_m(self.skeleton)

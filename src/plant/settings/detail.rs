@@ -137,7 +137,7 @@ impl DetailSettings {
             "branch_cards",
             Kind::Switch,
             "",
-            "pictures of leafy twigs on crossed planes in place of leaves, where a budget would leave many leaves out",
+            "pictures of twigs on crossed planes in place of leaves and twigs, where a budget would leave many of these out",
             branch_cards,
             details(
                 "The tree's foliage is cut into pieces that hang together: twigs, branches or limbs, as large as the \

@@ -48,6 +48,8 @@ pub(in crate::detail) struct Deck {
     pub card_of: Vec<Card>,
     /// Pieces.
     pub prototypes: Vec<u32>,
+    /// By prototype how much denser the pieces are that it stands for: their weight to an area of cards, as a share of its.
+    pub densities: Vec<f32>,
 }
 
 /// Where a piece has its foliage, and which way that points on the whole, as it lies.
@@ -121,8 +123,26 @@ impl Deck {
             card_of[top as usize] = Card { prototype: prototypes.len() as u8, is_mirrored: false };
             prototypes.push(top);
         }
-        Ok(Self { frames, card_of, prototypes })
+        let densities = densities(cut, &frames, &card_of, &prototypes);
+        Ok(Self { frames, card_of, prototypes, densities })
     }
+}
+
+/// See [`Deck::densities`].
+fn densities(cut: &Cut, frames: &[Frame], card_of: &[Card], prototypes: &[u32]) -> Vec<f32> {
+    let area_m2 = |piece: usize| f64::from(frames[piece].radius_m).powi(2);
+    let mut sums = vec![(0.0, 0.0); prototypes.len()];
+    for (piece, card) in card_of.iter().enumerate() {
+        let (weight, cards_m2) = &mut sums[usize::from(card.prototype)];
+        *weight += cut.pieces[piece].1.weight;
+        *cards_m2 += area_m2(piece);
+    }
+    let density = |(&prototype, (weight, cards_m2)): (&u32, (f64, f64))| {
+        let prototype = prototype as usize;
+        let shown = cut.pieces[prototype].1.weight / area_m2(prototype) * cards_m2;
+        (weight / shown.max(f64::MIN_POSITIVE)) as f32
+    };
+    prototypes.iter().zip(sums).map(density).collect()
 }
 
 /// The piece that reaches highest, where it is what a stem ends in: the top of a tree with one leader.
@@ -207,6 +227,33 @@ fn splat(grid: &mut [f32], at: Vec2, weight: f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detail::Simplifier;
+    use crate::testing::{Subject, body};
+    use linden_base::monitor::Quiet;
+
+    #[test]
+    fn cards_stand_for_as_much_as_their_pieces_have() {
+        let subject = Subject::builtin("hazel", &[("season", "1")]);
+        let grown = subject.grow();
+        let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+        let detail = simplifier.within(3000, true, &Quiet).unwrap();
+        let pieces = simplifier.pieces(&detail, &Quiet).unwrap();
+        let deck = Deck::new(&pieces, &grown.skeleton, &grown.organs, (8, true), &Quiet).unwrap();
+        let weight = |piece: usize| pieces.cut.pieces[piece].1.weight;
+        let (mut shown, mut unlike) = (0.0, 0);
+        for (piece, card) in deck.card_of.iter().enumerate() {
+            let (prototype, density) = (
+                deck.prototypes[usize::from(card.prototype)] as usize,
+                deck.densities[usize::from(card.prototype)],
+            );
+            let scale = f64::from(deck.frames[piece].radius_m / deck.frames[prototype].radius_m);
+            shown += weight(prototype) * scale * scale * f64::from(density);
+            unlike += usize::from((density - 1.0).abs() > 0.05);
+        }
+        let all: f64 = (0..deck.card_of.len()).map(weight).sum();
+        assert!((shown / all - 1.0).abs() < 1e-4, "{shown} of {all}");
+        assert!(unlike > deck.card_of.len() / 4, "{unlike} of {}", deck.card_of.len());
+    }
 
     #[test]
     fn a_piece_and_its_image_in_a_mirror_are_told_apart_and_share_a_card() {

@@ -5,9 +5,10 @@
 //! more pixels each; what is still missing is made up by needles that are wider and fewer, which cover as much.
 
 use super::{FEWEST_CARDS, MOST_CARDS, PLANES, Pieces};
-use crate::Specimen;
+use crate::detail::outline::Outline;
 use crate::foliage::needle_width;
 use crate::settings::{Dressing, FoliageSettings};
+use crate::{Body, Specimen};
 use linden_skeleton::organs::{Organs, PROTOTYPES};
 
 /// The pixels that a needle is wide on a card, at the least.
@@ -35,19 +36,23 @@ pub(super) struct Grain {
     /// Whether most of the foliage is needles, or bare twigs: then each card is there in a mirror too, and those of further levels
     /// are smaller.
     pub is_fine: bool,
+    /// Whether what cards show is mostly wood: see [`Outline`].
+    pub is_bare: bool,
 }
 
 impl Grain {
     /// What suits the finest of some levels, on a picture of `size_px` pixels a side.
-    pub fn of(levels: &[Pieces], specimen: &Specimen<'_>, organs: &Organs, size_px: u32) -> Self {
+    pub fn of(levels: &[Pieces], specimen: &Specimen<'_>, body: Body<'_>, size_px: u32) -> Self {
+        let Body { skeleton, organs, .. } = body;
         // Bare twigs are as fine.
-        if organs.is_empty() {
-            return Self { cards: FEWEST_FINE, needle_scale: 1.0, is_fine: true };
+        if Outline::of(skeleton, organs).is_mostly_wood() {
+            return Self { cards: FEWEST_FINE, needle_scale: 1.0, is_fine: true, is_bare: true };
         }
         let needle = levels.first().and_then(|level| Some(needle_m(specimen, organs)? / level.radius_m()?));
-        needle.map_or(Self { cards: MOST_CARDS, needle_scale: 1.0, is_fine: false }, |needle| {
-            Self::of_needles(needle, levels.len(), size_px)
-        })
+        needle
+            .map_or(Self { cards: MOST_CARDS, needle_scale: 1.0, is_fine: false, is_bare: false }, |needle| {
+                Self::of_needles(needle, levels.len(), size_px)
+            })
     }
 
     /// Shapes of each card.
@@ -57,7 +62,8 @@ impl Grain {
 
     /// How large cards of a level are, 0 for the finest, beside those of the finest one.
     pub fn share(&self, level: usize) -> f32 {
-        if self.is_fine { share(level) } else { 1.0 }
+        // The larger pieces of further levels have more of them.
+        if self.is_fine && !self.is_bare { share(level) } else { 1.0 }
     }
 
     /// How leaves are drawn that are to be on cards; `None`: as they are.
@@ -76,7 +82,12 @@ impl Grain {
         let wide_px = |cards: usize| needle * radius_px(cards, levels, size_px);
         let fits = |cards: &usize| wide_px(*cards) >= NEEDLE_PX;
         let cards = (FEWEST_FINE..=MOST_CARDS).rev().find(fits).unwrap_or(FEWEST_FINE);
-        Self { cards, needle_scale: (NEEDLE_PX / wide_px(cards)).clamp(1.0, MOST_SCALE), is_fine: true }
+        Self {
+            cards,
+            needle_scale: (NEEDLE_PX / wide_px(cards)).clamp(1.0, MOST_SCALE),
+            is_fine: true,
+            is_bare: false,
+        }
     }
 }
 

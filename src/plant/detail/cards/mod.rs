@@ -136,7 +136,7 @@ impl Cards {
         let is_beside = levels.iter().any(|level| !level.forms.are_all_on_cards());
         let before = PROTOTYPES.len() + if is_beside { body.organs.shapes.len() } else { 0 };
         let room = usize::from(u8::MAX).saturating_sub(before) / levels.len().max(1);
-        let grain = Grain::of(levels, specimen, body.organs, size_px);
+        let grain = Grain::of(levels, specimen, body, size_px);
         let room = room / grain.faces();
         let mut most = grain.cards;
         let mut decks = Vec::with_capacity(levels.len());
@@ -158,7 +158,12 @@ impl Cards {
             .transpose()?;
         let wardrobe = redrawn.as_ref().unwrap_or(wardrobe);
         let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
-            deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
+            deck.prototypes.iter().zip(&deck.densities).map(move |(&piece, &density)| draw::Drawee {
+                level,
+                piece,
+                frame: &deck.frames[piece as usize],
+                density,
+            })
         });
         let drawn = draw::draw(models, specimen, body, wardrobe, (size_px, grain), monitor)?;
         let (color, is_dome) = (drawn.color(), is_mostly_dome(body.organs));
