@@ -188,6 +188,12 @@ impl Wardrobe {
         self.thin_barks.last().map_or(&self.bark, |(_, _, bark)| bark)
     }
 
+    /// What wood is covered with, the thinnest first: the largest radius that wears it, metres, without bound the last.
+    pub(crate) fn barks(&self) -> impl Iterator<Item = (f32, &Material)> {
+        let thin = self.thin_barks.iter().rev().map(|(_, most_m, bark)| (*most_m, bark));
+        thin.chain(std::iter::once((f32::INFINITY, &self.bark)))
+    }
+
     /// Organs alone, without wind.
     ///
     /// # Errors

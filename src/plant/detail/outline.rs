@@ -60,7 +60,7 @@ mod tests {
             let grown = Subject::builtin("hazel", &[("season", season)]).grow();
             Outline::of(&grown.skeleton, &grown.organs)
         };
-        let [summer, late, bare] = ["0.35", "0.98", "1"].map(outline);
+        let [summer, late, bare] = ["0.35", "0.995", "1"].map(outline);
         assert!(!summer.is_mostly_wood() && late.is_mostly_wood() && bare.is_mostly_wood());
         assert!(late.leaves_m2 > 0.0 && bare.leaves_m2 == 0.0 && bare.wood_m2 == summer.wood_m2);
     }
