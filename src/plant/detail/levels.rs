@@ -401,9 +401,12 @@ impl Plan {
                 let details = &simplifiers
                     .iter()
                     .zip(details.iter().zip(&self.budgets))
-                    .map(|(simplifier, (level, budget))| match detail.branch_cards {
-                        true => simplifier.with_twigs(level, budget.triangles, monitor),
-                        false => Ok(*level),
+                    .map(|(simplifier, (level, budget))| {
+                        if detail.branch_cards {
+                            simplifier.with_twigs(level, budget.triangles, monitor)
+                        } else {
+                            Ok(*level)
+                        }
                     })
                     .collect::<Result<Vec<_>, _>>()?;
                 let are_seen = specimen.wanted.surface;

@@ -130,7 +130,7 @@ impl Deck {
 
 /// See [`Deck::densities`].
 fn densities(cut: &Cut, frames: &[Frame], card_of: &[Card], prototypes: &[u32]) -> Vec<f32> {
-    let area_m2 = |piece: usize| f64::from(frames[piece].radius_m).powi(2);
+    let area_m2 = |piece: usize| f64::from(frames[piece].radius_m) * f64::from(frames[piece].radius_m);
     let mut sums = vec![(0.0, 0.0); prototypes.len()];
     for (piece, card) in card_of.iter().enumerate() {
         let (weight, cards_m2) = &mut sums[usize::from(card.prototype)];
