@@ -125,8 +125,9 @@ fn stopped_and_continued_by_others_it_paints_all() {
     workbench.settle();
     let after = workbench.screen();
     assert_eq!(after.columns(0, 28), screen.columns(0, 28));
-    // Cells that look nearly alike may be another pair of glyph and colours.
-    assert_eq!(after.painted(28..99, 2..27), screen.painted(28..99, 2..27));
+    // Cells that look nearly alike may be another pair of glyph and colours, and one that is hardly covered none.
+    let [then, now] = [&screen, &after].map(|screen| screen.painted(28..99, 2..27));
+    assert!(then > 300 && now.abs_diff(then) <= then / 100, "{then} {now}");
 }
 
 #[test]
