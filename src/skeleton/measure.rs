@@ -99,7 +99,7 @@ impl Skeleton {
     }
 
     /// Axes that nothing bears: indices into [`Skeleton::axes`].
-    fn stems(&self) -> impl Iterator<Item = u32> {
+    pub fn stems(&self) -> impl Iterator<Item = u32> {
         (0..).zip(&self.axes).filter(|(_, axis)| axis.parent == NO_PARENT).map(|(index, _)| index)
     }
 

@@ -319,20 +319,22 @@ fn tolerance_m(heights_m: &[Option<f64>]) -> f64 {
     (SPREADS * spread_m).clamp(TOLERANCE_M[0], TOLERANCE_M[1])
 }
 
-/// Points of the ground whose median is its height at a place, at least and at most,
+/// The fewest and the most points of the ground whose median is its height at a place.
 const GROUND_POINTS: [usize; 2] = [9, 400];
 
-/// as many of them as it is so sure with, metres.
-const SURE_M: f64 = 0.01;
+/// Between these, so many are taken that the standard error of their median is no larger, metres.
+const STANDARD_ERROR_M: f64 = 0.01;
 
-/// And how far around it points tell how it rises there, metres.
+/// How far around a place points tell how the ground rises there, metres.
 const SLOPE_M: f64 = 2.0;
 
-/// In cells of so many metres points of the ground are about as far off its plane as in others; roots and bark that were taken for it
-/// are so many times as far, and so far beside.
-const BESIDE_M: f64 = 0.25;
-const UPRIGHT: f64 = 3.0;
-const UPRIGHT_M: f64 = 0.02;
+/// The side of the cells in which the roughness of the ground is compared, metres.
+const ROUGH_CELL_M: f64 = 0.25;
+
+/// A cell shows bark or roots that were taken for ground where it is rougher than so many times the median cell, and so many metres
+/// more.
+const ROUGH_FACTOR: f64 = 3.0;
+const ROUGH_M: f64 = 0.02;
 
 /// The height of the ground at a place: the median of the points on it (metres, Y up) that are nearest to its plumb line, carried
 /// along the slope of the ground around: those beside a stem may all lie uphill of it, or high up on its bark.
@@ -343,12 +345,13 @@ pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
         level.then(a.x.total_cmp(&b.x)).then(a.z.total_cmp(&b.z))
     };
     let near: Vec<DVec3> = ground.iter().copied().filter(|p| away(p) <= SLOPE_M * SLOPE_M).collect();
-    let around = Around::of(near).filter(|around| around.level.len() >= GROUND_POINTS[0]);
+    let around = if near.len() < GROUND_POINTS[0] { None } else { Around::of(&near) };
     let (plane, mut nearest, count) = match around {
         Some(Around { plane, level, sd_m }) => {
-            // The median of a number of points is off by 1.25 standard deviations ÷ its root.
-            let sure = 1.25 * sd_m / SURE_M;
-            (Some(plane), level, ((sure * sure) as usize).clamp(GROUND_POINTS[0], GROUND_POINTS[1]))
+            // The median of n points has a standard error of 1.25 sd ÷ √n.
+            let root = 1.25 * sd_m / STANDARD_ERROR_M;
+            let nearest = if level.len() < GROUND_POINTS[0] { near } else { level };
+            (Some(plane), nearest, ((root * root) as usize).clamp(GROUND_POINTS[0], GROUND_POINTS[1]))
         }
         None => (None, ground.to_vec(), GROUND_POINTS[0]),
     };
@@ -362,20 +365,21 @@ pub(super) fn ground_height(ground: &[DVec3], at: DVec3) -> Option<f64> {
 /// The ground around a place.
 struct Around {
     plane: Plane,
-    /// Points of cells that do not rise out of it.
+    /// Points of cells that are no rougher than others.
     level: Vec<DVec3>,
-    /// By how much they are off their cell's middle.
+    /// The standard deviation of heights in a cell, metres.
     sd_m: f64,
 }
 
 impl Around {
-    fn of(mut near: Vec<DVec3>) -> Option<Self> {
+    fn of(near: &[DVec3]) -> Option<Self> {
+        let mut near = near.to_vec();
         near.sort_unstable_by(|a, b| a.y.total_cmp(&b.y).then(a.x.total_cmp(&b.x)).then(a.z.total_cmp(&b.z)));
         let mut cells: BTreeMap<[i64; 2], Vec<DVec3>> = BTreeMap::new();
         for p in near {
-            cells.entry([p.x, p.z].map(|at| (at / BESIDE_M).floor() as i64)).or_default().push(p);
+            cells.entry([p.x, p.z].map(|at| (at / ROUGH_CELL_M).floor() as i64)).or_default().push(p);
         }
-        // As many rows for a wide piece of ground as for a stem's bark.
+        // One row a cell: a stem's bark has more points than the ground around it.
         let middles: Vec<DVec3> = cells.values().map(|cell| cell[cell.len() / 2]).collect();
         let plane = Plane::through(&middles, ON_A_LINE)?;
         let off_m = |cell: &Vec<DVec3>| {
@@ -385,7 +389,7 @@ impl Around {
         };
         let all_off_m: Vec<f64> = cells.values().map(off_m).collect();
         let usual_m = median(all_off_m.iter().copied())?;
-        let is_level = |off_m: f64| off_m <= UPRIGHT * usual_m + UPRIGHT_M;
+        let is_level = |off_m: f64| off_m <= ROUGH_FACTOR * usual_m + ROUGH_M;
         let rows = cells.into_values().zip(all_off_m);
         let level = rows.filter(|(_, off_m)| is_level(*off_m)).flat_map(|(cell, _)| cell).collect();
         Some(Self { plane, level, sd_m: super::circle::SD_PER_MAD * usual_m })
@@ -534,7 +538,20 @@ mod tests {
             let height = ground_height(&ground(0.0, 0.25), off).unwrap();
             assert!(height.abs() < 0.03, "{off}: {height}");
         }
+    }
+
+    #[test]
+    fn a_few_points_tell_the_slope_too() {
         assert_eq!(ground_height(&[], DVec3::ZERO), None);
         assert_eq!(ground_height(&[DVec3::Y], DVec3::ZERO), Some(1.0));
+        // Ten points uphill, two of them high up in one cell, as a root is.
+        let rise = libm::tan(25.0_f64.to_radians());
+        let mut seen: Vec<DVec3> = (0..8_u32)
+            .map(|i| [0.6 + 0.12 * f64::from(i), 0.4 * f64::from(i % 3) - 0.4])
+            .map(|[x, z]| DVec3::new(x, rise * x, z))
+            .collect();
+        seen.extend([DVec3::new(1.1, rise * 1.1, 0.3), DVec3::new(1.1, rise * 1.1 + 0.3, 0.3)]);
+        let height = ground_height(&seen, DVec3::ZERO).unwrap();
+        assert!(height.abs() < 0.08, "{height}, and {} without the slope", rise * 1.0);
     }
 }

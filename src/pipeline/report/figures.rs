@@ -11,8 +11,7 @@ use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
 use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey_by};
 use linden_skeleton::{
-    Axis, BREAST_HEIGHT_M, Forks, Measures, NO_PARENT, RadiusFit, RadiusSource, Skeleton, Streams,
-    ratio_of_orders,
+    Axis, BREAST_HEIGHT_M, Forks, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
 };
 
 use super::{Corners, ReportError};
@@ -217,7 +216,7 @@ impl<'a> Figures<'a> {
 
     /// Axes that nothing bears.
     pub fn stem_count(&self) -> usize {
-        self.skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT).count()
+        self.skeleton.stems().count()
     }
 
     /// Of wood and everything on it, above the lowest node, metres.

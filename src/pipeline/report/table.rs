@@ -224,10 +224,10 @@ numbers! {
         "wood_volume_m3 of the stem that is thickest at its foot, from there to its top"
         ("West 2015") = |f| f.tubes.stem_volume_m3;
     stem_count: usize, Stem "stems" [""] Wood
-        "axes that nothing bears"
+        "axes that nothing bears, wherever they begin"
         ("") = |f| f.stem_count();
     dbh_by_stem_m: Vec<f64>, Stem "of each stem" ["m"] Wood
-        "diameter at breast height of each stem that reaches it, from the thickest to the thinnest, as cylinders have it (format qsm), without a flare: of a coppice, a shrub, a fork below 1.3 m in a scan"
+        "diameter at breast height of each stem that reaches it, from the thickest to the thinnest, as cylinders have it (format qsm), without a flare: of a coppice, a shrub or several trees. Breast height is 1.3 m above the foot of each; at forks the thickest is followed"
         ("West 2015") = |f| f.stem_diameters_m.clone();
     base_diameter_m: f64, Stem "at the foot" ["m"] Wood
         "of the stem that is thickest at its foot, there, as its tube has it, with its flare"

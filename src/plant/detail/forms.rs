@@ -220,7 +220,7 @@ mod tests {
         assert_eq!(said(&notes(&[&wanted[..], &bare].concat())), 0, "there are its twigs");
         let all = ("triangles", "9000000");
         assert_eq!(said(&notes(&[&[all, wanted[1]], &bare[..]].concat())), 1);
-        assert_eq!(said(&notes(&[&[all], &bare[..]].concat())), 0, "nobody asked for one");
+        assert_eq!(said(&notes(&[&[all], &bare[..]].concat())), 0, "no card was asked for");
     }
 
     #[test]

@@ -103,7 +103,7 @@ impl Year {
 
 /// Dresses a tree in each of some seasons, as [`levels`] does in that of the recipe: the wood is the same
 /// in all of them, level by level, and a leaf that is there in two hangs in the same place. A budget of
-/// triangles is met where the tree has most leaves. First comes the season nearest to the recipe's.
+/// triangles is met where the tree has most leaves, and used up where its twigs are bare. First comes the season nearest to the recipe's.
 ///
 /// # Errors
 /// As [`levels`]. Without any season there is that of the recipe.
@@ -372,6 +372,23 @@ impl Plan {
         Cow::Owned(dressing)
     }
 
+    /// These details in the season of simplifiers, one for each: twigs that are bare then are on cards, which use the whole budget.
+    fn in_season(
+        &self,
+        details: &[Detail],
+        simplifiers: &[Simplifier<'_>],
+        has_cards: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Detail>, DetailError> {
+        if !has_cards {
+            return Ok(details.to_vec());
+        }
+        let levels = simplifiers.iter().zip(details).zip(&self.budgets);
+        levels
+            .map(|((simplifier, level), budget)| simplifier.with_twigs(level, budget.triangles, monitor))
+            .collect()
+    }
+
     /// Dresses a tree in these levels, and in what stands for it from afar. The wardrobe is of [`Self::dressing`].
     fn dress(
         &self,
@@ -398,17 +415,7 @@ impl Plan {
                 let simplifiers = (0..details.len())
                     .map(|number| simplifier.in_level(foliage, number, monitor))
                     .collect::<Result<Vec<_>, _>>()?;
-                let details = &simplifiers
-                    .iter()
-                    .zip(details.iter().zip(&self.budgets))
-                    .map(|(simplifier, (level, budget))| {
-                        if detail.branch_cards {
-                            simplifier.with_twigs(level, budget.triangles, monitor)
-                        } else {
-                            Ok(*level)
-                        }
-                    })
-                    .collect::<Result<Vec<_>, _>>()?;
+                let details = &self.in_season(details, &simplifiers, detail.branch_cards, monitor)?;
                 let are_seen = specimen.wanted.surface;
                 let mut pieces = Vec::new();
                 for (simplifier, level) in simplifiers.iter().zip(details) {

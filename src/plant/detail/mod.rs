@@ -16,7 +16,7 @@ mod forms;
 pub mod impostor;
 mod leaves;
 mod levels;
-mod outline;
+mod silhouette;
 mod solve;
 #[cfg(test)]
 mod stem_tests;
@@ -39,7 +39,7 @@ use self::cards::{Burden, Pieces, TRIANGLES};
 use self::exposure::Exposure;
 use self::forms::LevelForms;
 use self::leaves::{Leaves, Which};
-use self::outline::Outline;
+use self::silhouette::Silhouette;
 use self::wood::Wood;
 
 pub use levels::{Finest, Level, Levels, Year, finest, levels, year};
@@ -149,7 +149,7 @@ pub struct Simplifier<'a> {
     leaves: Arc<Leaves<'a>>,
     organs: &'a Organs,
     skeleton: &'a Skeleton,
-    outline: Outline,
+    silhouette: Silhouette,
 }
 
 /// A tree with less of it: what [`crate::dress`] takes in place of the whole.
@@ -192,7 +192,7 @@ impl<'a> Simplifier<'a> {
             leaves: Arc::new(Leaves::new(body.organs, LevelForms::plain(body.organs), monitor)?),
             organs: body.organs,
             skeleton: body.skeleton,
-            outline: Outline::of(body.skeleton, body.organs),
+            silhouette: Silhouette::of(body.skeleton, body.organs),
         })
     }
 

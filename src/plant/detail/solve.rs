@@ -41,8 +41,8 @@ pub struct Amount {
     pub sites: u64,
 }
 
-/// How `budget` triangles are spent on a tree, `with_cards` where these may stand for leaves. What a tree has beside
-/// leaves counts in [`Simplifier::within`].
+/// How `budget` triangles are spent on a tree, `with_cards` where these may stand for leaves. Whether twigs need cards is
+/// decided by [`Simplifier::within`].
 pub fn shares(budget: u64, tree: Amount, with_cards: bool) -> Shares {
     let Amount { wood, leaves, sites } = tree;
     let for_wood = share_of_wood(budget, wood, leaves);
@@ -159,7 +159,8 @@ impl Simplifier<'_> {
 
     /// The detail with `budget` triangles, or all where the tree has no more.
     ///
-    /// Wood and leaves share the budget; `with_cards`, branch cards stand for leaves where many would be left out. The count is within 5 % of it for every tree of more than a few
+    /// Wood and leaves share the budget; `with_cards`, branch cards stand for leaves and twigs where many would be left
+    /// out. The count is within 5 % of it for every tree of more than a few
     /// tubes (a tube alone changes by whole rings and sides); with leaves it is exact to one of them.
     ///
     /// # Errors
@@ -189,7 +190,7 @@ impl Simplifier<'_> {
             return Ok(all);
         }
         let thinned = self.thinned_within(budget, [wood, leaves], floor, monitor)?;
-        let are_missed = with_cards && self.outline.share_with(&self.wood, &thinned) < WOOD_AS_IT_IS;
+        let are_missed = with_cards && self.silhouette.share_with(&self.wood, &thinned) < WOOD_AS_IT_IS;
         let in_cards = if are_missed { self.twigs_in_cards(budget, wood, floor, monitor)? } else { None };
         Ok(in_cards.unwrap_or(thinned))
     }
@@ -211,7 +212,7 @@ impl Simplifier<'_> {
         Ok(detail)
     }
 
-    /// Whether branch cards would stand for leaves within this budget.
+    /// Whether branch cards would stand for leaves or twigs within this budget.
     ///
     /// # Errors
     /// As [`Self::within`].
@@ -239,7 +240,7 @@ impl Simplifier<'_> {
         // What stems keep is not taken from the limbs.
         let least_wood = self.least_wood(floor, monitor)?;
         let kept = least_wood.saturating_sub(self.least_wood(Floor::NONE, monitor)?);
-        let most_wood = if self.outline.is_mostly_wood() { beside_twigs(left) } else { u64::MAX };
+        let most_wood = if self.silhouette.is_mostly_wood() { beside_twigs(left) } else { u64::MAX };
         let for_wood = (shares.wood.min(most_wood) + kept).min(wood).clamp(least_wood, left.max(least_wood));
         let detail = Detail { leaf_share, ..self.wood_within(for_wood, floor, monitor)? };
         let (detail, found) = self.filled_up(&detail, budget, monitor)?;
@@ -293,9 +294,9 @@ impl Simplifier<'_> {
         // Where leaves are as they are, these leave room for cards, or the wood is all that there is.
         let is_room_for_cards = || {
             let has_room = 2 * self.wood_triangles(fullest, monitor)? <= budget;
-            Ok::<_, DetailError>(has_room && self.outline.share_with(&self.wood, fullest) < WOOD_AS_IT_IS)
+            Ok::<_, DetailError>(has_room && self.silhouette.share_with(&self.wood, fullest) < WOOD_AS_IT_IS)
         };
-        if !self.outline.is_mostly_wood() || !(fullest.card_m > 0.0 || is_room_for_cards()?) {
+        if !self.silhouette.is_mostly_wood() || !(fullest.card_m > 0.0 || is_room_for_cards()?) {
             return Ok(*fullest);
         }
         let (detail, _) = self.filled_up(fullest, budget, monitor)?;
@@ -498,7 +499,7 @@ mod tests {
             let grown = subject.grow();
             let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
             let full = simplifier.full_triangles(&Quiet).unwrap();
-            let share = |detail: &Detail| simplifier.outline.share_with(&simplifier.wood, detail);
+            let share = |detail: &Detail| simplifier.silhouette.share_with(&simplifier.wood, detail);
             let detail = simplifier.within(4000, true, &Quiet).unwrap();
             let found = simplifier.triangles(&detail, &Quiet).unwrap();
             assert!(

@@ -142,8 +142,8 @@ impl DetailSettings {
             details(
                 "The tree's foliage is cut into pieces that hang together: twigs, branches or limbs, as large as the \
                  budget asks for. Some of them are drawn, with leaves and thin wood, into one picture with colour, \
-                 alpha and normals, and stand for all. Without them leaves are left out evenly, and those that stay \
-                 are enlarged to at most twice their size."
+                 alpha and normals, and stand for all. Without them leaves and twigs are left out evenly, and the leaves \
+                 that stay are enlarged to at most twice their size."
             ),
             see_also(&["card_size", "triangles", "lods"])
         ),

@@ -34,7 +34,7 @@ const RELIEF: f32 = 0.4;
 const THICKEST: f32 = 0.07;
 /// The same of a tree without leaves, whose cards show nothing else.
 const THICKEST_BARE: f32 = 0.3;
-/// Pixels that a twig is wide, at the least, from edge to edge; a prism of four sides is seen as wide as 0.7 of that.
+/// Pixels that a twig is wide, at the least, from edge to edge, but where twigs cover too much (`laterals`); a prism of four sides is seen as wide as 0.7 of that.
 const TWIG_PX: f32 = 1.6;
 /// Cells that are drawn before they are laid, at the most: for any number of cores that machines have.
 const CELLS_AT_ONCE: usize = 16;
@@ -134,7 +134,7 @@ pub(super) fn draw<'a>(
         passing_picture: None,
         ..bark.clone()
     };
-    // Beside leaves nobody tells one from another.
+    // Among leaves, barks look alike.
     let (limits_m, mut materials): (Vec<f32>, Vec<Material>) = if grain.is_bare {
         wardrobe.barks().map(|(most_m, bark)| (most_m, plain(bark))).unzip()
     } else {
@@ -461,7 +461,7 @@ fn leaf_scale(cards: f64, leaves: f64) -> f32 {
     if cards <= 0.0 { 1.0 } else { (SHOWN * leaves / cards).sqrt().clamp(1.0, MOST) as f32 }
 }
 
-/// Directions to who looks at a piece from a little above the horizon, all around, by its own.
+/// Directions from a piece to viewers all around it and a little above the horizon, in its own coordinates.
 fn views(frame: &Frame) -> [Vec3; VIEWS] {
     const RISE: f32 = 0.15;
     std::array::from_fn(|view| {

@@ -5,7 +5,7 @@
 //! more pixels each; what is still missing is made up by needles that are wider and fewer, which cover as much.
 
 use super::{FEWEST_CARDS, MOST_CARDS, PLANES, Pieces};
-use crate::detail::outline::Outline;
+use crate::detail::silhouette::Silhouette;
 use crate::foliage::needle_width;
 use crate::settings::{Dressing, FoliageSettings};
 use crate::{Body, Specimen};
@@ -33,10 +33,10 @@ pub(super) struct Grain {
     pub cards: usize,
     /// How many times wider needles are drawn, and fewer.
     pub needle_scale: f32,
-    /// Whether most of the foliage is needles, or bare twigs: then each card is there in a mirror too, and those of further levels
-    /// are smaller.
+    /// Whether most of the foliage is needles, or bare twigs: then each card is there in a mirror too. Those of
+    /// further levels are smaller, but for bare twigs.
     pub is_fine: bool,
-    /// Whether what cards show is mostly wood: see [`Outline`].
+    /// Whether what cards show is mostly wood: see [`Silhouette`].
     pub is_bare: bool,
 }
 
@@ -45,7 +45,7 @@ impl Grain {
     pub fn of(levels: &[Pieces], specimen: &Specimen<'_>, body: Body<'_>, size_px: u32) -> Self {
         let Body { skeleton, organs, .. } = body;
         // Bare twigs are as fine.
-        if Outline::of(skeleton, organs).is_mostly_wood() {
+        if Silhouette::of(skeleton, organs).is_mostly_wood() {
             return Self { cards: FEWEST_FINE, needle_scale: 1.0, is_fine: true, is_bare: true };
         }
         let needle = levels.first().and_then(|level| Some(needle_m(specimen, organs)? / level.radius_m()?));

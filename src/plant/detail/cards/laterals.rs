@@ -5,7 +5,7 @@ use std::collections::HashMap;
 
 use linden_skeleton::Skeleton;
 
-/// The axes that a piece hangs on are drawn no narrower than this share of a twig's width, where they cover too much.
+/// Where the axes that a piece hangs on cover too much, its twigs are drawn narrower, down to this share of their width.
 const LEAST_WIDTH: f32 = 0.6;
 
 /// Which axes bear which.
@@ -35,7 +35,7 @@ impl Laterals {
 
     /// Of the nodes of a piece those that are shown where nothing is thinner, and how thin that is: fewer twigs, so that all
     /// cover `share` of what the nodes do that are drawn. Where the axes that the piece hangs on cover more by themselves,
-    /// they are narrower, down to a part of it.
+    /// all of it is narrower, down to [`LEAST_WIDTH`].
     pub fn thinned_out(
         &self,
         skeleton: &Skeleton,
@@ -50,7 +50,9 @@ impl Laterals {
         let nodes: Vec<usize> = piece.collect();
         let area_m2 = |nodes: &[usize], thinnest_m: f32| -> f32 {
             let drawn = nodes.iter().copied().filter(|node| is_drawn(*node));
-            drawn.map(|node| length_m(skeleton, node) * skeleton.radii[node].max(thinnest_m)).sum()
+            drawn
+                .map(|node| skeleton.segment_length(node) as f32 * skeleton.radii[node].max(thinnest_m))
+                .sum()
         };
         let wanted_m2 = share * area_m2(&nodes, 0.0);
         let (mut low, mut high) = (0.0, MOST_ROOM);
@@ -104,19 +106,16 @@ impl Laterals {
     }
 }
 
-/// Of the wood between a node and the one below it.
-fn length_m(skeleton: &Skeleton, node: usize) -> f32 {
-    let below = skeleton.positions.get(skeleton.parents[node] as usize);
-    below.map_or(0.0, |below| below.distance(skeleton.positions[node]))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::Subject;
 
     fn area_m2(skeleton: &Skeleton, nodes: impl IntoIterator<Item = usize>, thinnest_m: f32) -> f32 {
-        nodes.into_iter().map(|node| length_m(skeleton, node) * skeleton.radii[node].max(thinnest_m)).sum()
+        nodes
+            .into_iter()
+            .map(|node| skeleton.segment_length(node) as f32 * skeleton.radii[node].max(thinnest_m))
+            .sum()
     }
 
     #[test]

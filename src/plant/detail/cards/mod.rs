@@ -1,4 +1,4 @@
-//! Branch cards: the leafy twigs of a tree as pictures of a few of them, on crossed planes where they hang.
+//! Branch cards: the twigs of a tree, leafy or bare, as pictures of a few of them, on crossed planes where they hang.
 //!
 //! Foliage is cut into pieces that hang together (`clusters`), as large as a budget of triangles asks for: twigs,
 //! branches, limbs. A few pieces, each the one that is most like its group (`deck`), are drawn into one atlas as

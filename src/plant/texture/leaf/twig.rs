@@ -330,7 +330,7 @@ mod tests {
         for arrangement in [Arrangement::Alternate, Arrangement::Opposite, Arrangement::Spiral] {
             for (leaves, shoots, drawn) in [(40, 6, 6), (40, 0, 0), (1, 5, 0), (7, 5, 2), (12, 30, 3)] {
                 let of = |variant: u32, shoots: u32| {
-                    let twig_look = TwigLook { leaves, shoots, arrangement, ..TwigLook::default() };
+                    let twig_look = TwigLook { leaves, arrangement, shoots, ..TwigLook::default() };
                     twig(&look, &twig_look, variant, Key::new(9).child(u64::from(variant)))
                 };
                 let (straight, branched) = (of(1, 0), of(1, shoots));

@@ -10,19 +10,19 @@ use linden_skeleton::organs::Organs;
 
 /// What a tree covers to who looks at it from the side, square metres, hidden or not.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Outline {
+pub(super) struct Silhouette {
     pub leaves_m2: f64,
     pub wood_m2: f64,
 }
 
-impl Outline {
+impl Silhouette {
     /// Of a tree with these organs, in any season.
     pub fn of(skeleton: &Skeleton, organs: &Organs) -> Self {
         let forms = LevelForms::plain(organs);
         let squares_m2: f64 = organ_rods(organs, &forms).map(|rod| f64::from(rod.weight)).sum();
         Self {
             leaves_m2: f64::from(COVERED) * squares_m2,
-            wood_m2: (0..skeleton.positions.len()).map(|node| outline_m2(skeleton, node)).sum(),
+            wood_m2: (0..skeleton.positions.len()).map(|node| silhouette_m2(skeleton, node)).sum(),
         }
     }
 
@@ -34,16 +34,14 @@ impl Outline {
     /// The share of it that is left where wood is left out, and leaves or what stands for them are not.
     pub fn share_with(&self, wood: &Wood<'_>, detail: &Detail) -> f64 {
         let left_out = wood.thin_nodes(detail).into_iter().enumerate().filter(|(_, is_thin)| *is_thin);
-        let lost_m2: f64 = left_out.map(|(node, _)| outline_m2(wood.skeleton(), node)).sum();
+        let lost_m2: f64 = left_out.map(|(node, _)| silhouette_m2(wood.skeleton(), node)).sum();
         1.0 - lost_m2 / (self.leaves_m2 + self.wood_m2).max(f64::MIN_POSITIVE)
     }
 }
 
-/// Of the wood between a node and the one below it.
-fn outline_m2(skeleton: &Skeleton, node: usize) -> f64 {
-    let below = skeleton.positions.get(skeleton.parents[node] as usize);
-    let length_m = below.map_or(0.0, |below| below.distance(skeleton.positions[node]));
-    f64::from(2.0 * skeleton.radii[node] * length_m)
+/// Of the wood between a node and the one below it, seen from the side.
+fn silhouette_m2(skeleton: &Skeleton, node: usize) -> f64 {
+    2.0 * f64::from(skeleton.radii[node]) * skeleton.segment_length(node)
 }
 
 #[cfg(test)]
@@ -56,11 +54,11 @@ mod tests {
 
     #[test]
     fn a_tree_is_mostly_wood_when_few_leaves_are_left() {
-        let outline = |season: &str| {
+        let silhouette = |season: &str| {
             let grown = Subject::builtin("hazel", &[("season", season)]).grow();
-            Outline::of(&grown.skeleton, &grown.organs)
+            Silhouette::of(&grown.skeleton, &grown.organs)
         };
-        let [summer, late, bare] = ["0.35", "0.995", "1"].map(outline);
+        let [summer, late, bare] = ["0.35", "0.995", "1"].map(silhouette);
         assert!(!summer.is_mostly_wood() && late.is_mostly_wood() && bare.is_mostly_wood());
         assert!(late.leaves_m2 > 0.0 && bare.leaves_m2 == 0.0 && bare.wood_m2 == summer.wood_m2);
     }
@@ -69,11 +67,11 @@ mod tests {
     fn what_is_left_out_is_missed_less_beside_leaves() {
         let shares = |season: &str| {
             let grown = Subject::builtin("hazel", &[("season", season)]).grow();
-            let outline = Outline::of(&grown.skeleton, &grown.organs);
+            let silhouette = Silhouette::of(&grown.skeleton, &grown.organs);
             let wood = Wood::new(&grown.skeleton, &Exposure::default(), &Quiet).unwrap();
             [0.0, 0.002, 0.004, 0.02].map(|smallest_radius_m| {
                 let detail = Detail { smallest_radius_m, ..Detail::full(&Tubes::default()) };
-                outline.share_with(&wood, &detail)
+                silhouette.share_with(&wood, &detail)
             })
         };
         let (summer, bare) = (shares("0.35"), shares("1"));
