@@ -146,20 +146,54 @@ pub fn put_back(kept: &Path, path: &Path) -> Result<(), Complaint> {
     fs::rename(kept, path).map_err(|error| failed(error.to_string()))
 }
 
-/// Gives a preset's file another name in its folder, and keeps its ending; gives where it is then.
+/// Gives a preset another name: its file in its folder, which keeps its ending, and its document, where that has an id.
+/// Gives where it is then. No other file is written over.
 ///
 /// # Errors
 /// Why it is called as before, as when there is a file of that name.
 pub fn rename(path: &Path, id: &str) -> Result<PathBuf, Complaint> {
     let failed = |why: &str| Complaint::new(path, format!("cannot be renamed to '{}': {why}", excerpt(id)));
     check_id(id).map_err(failed)?;
-    let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
-    let to = path.with_file_name(format!("{id}{ending}"));
-    if fs::symlink_metadata(&to).is_ok() {
-        return Err(failed("there is a file of that name; choose another name, or remove that one first"));
+    let to = renamed_path(path, id);
+    let bytes = files::read(path, MAX_BYTES)?.ok_or_else(|| failed("it is gone"))?;
+    let bytes = renamed_document(&bytes, id).map_err(|why| failed(&why))?.map_or(bytes, String::into_bytes);
+    files::write(&to, &bytes, Readers::Umask, Existing::Keep).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => {
+            failed("there is a file of that name; choose another name, or remove that one first")
+        }
+        _ => failed(&error.to_string()),
+    })?;
+    if let Ok(about) = fs::metadata(path) {
+        // Who may read it stays; where that cannot be set, it is as any new file.
+        let _ = fs::set_permissions(&to, about.permissions());
     }
-    fs::rename(path, &to).map_err(|error| failed(&error.to_string()))?;
+    if let Err(error) = fs::remove_file(path) {
+        // One preset, not two.
+        let _ = fs::remove_file(&to);
+        return Err(failed(&format!("the file of the old name cannot be removed: {error}")));
+    }
     Ok(to)
+}
+
+/// Where a preset's file is when it is called `id`.
+pub fn renamed_path(path: &Path, id: &str) -> PathBuf {
+    let ending = path.extension().map(|ending| format!(".{}", ending.to_string_lossy())).unwrap_or_default();
+    path.with_file_name(format!("{id}{ending}"))
+}
+
+/// A document with another id, and with that for a name where the old one was its name too. `None` for what is no
+/// document, like a grammar: it is called as its file is.
+fn renamed_document(bytes: &[u8], id: &str) -> Result<Option<String>, String> {
+    let Ok(text) = std::str::from_utf8(bytes) else { return Ok(None) };
+    if has_trees(text) {
+        return Ok(ForestDocument::rename_toml(text, id).ok());
+    }
+    let Ok(mut preset) = Preset::from_toml(text) else { return Ok(None) };
+    if preset.name == preset.id {
+        id.clone_into(&mut preset.name);
+    }
+    id.clone_into(&mut preset.id);
+    preset.edit_toml(text).map(Some).map_err(|error| error.to_string())
 }
 
 /// The file that one which was put away was before, by its name; `None` for any other.
@@ -197,7 +231,8 @@ fn names(dir: &Path, complaints: &mut Vec<Complaint>) -> Vec<PathBuf> {
     paths
 }
 
-fn has_ending(path: &Path) -> bool {
+/// Whether a file is a preset or a grammar by its name.
+pub fn has_ending(path: &Path) -> bool {
     path.extension()
         .is_some_and(|ending| ["toml", "txt", "l"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }

@@ -193,4 +193,25 @@ fn a_file_is_renamed_but_never_over_another() {
     assert_eq!(rename(&file("a.txt"), "my c"), Ok(file("my c.txt")));
     assert_eq!(std::fs::read_to_string(file("my c.txt")).unwrap(), "a");
     assert_eq!(std::fs::read_to_string(file("b.txt")).unwrap(), "b");
+    assert!(!file("a.txt").exists());
+}
+
+#[test]
+fn what_is_renamed_says_so_in_its_document_and_keeps_its_comments() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str| dir.path().join(name);
+    let tree = "id = \"a\" # old\nname = \"a\"\n\n[colonization]\ncrown = \"sphere\" # round\npoints = 200\n";
+    let forest = "id = \"a\"\nname = \"Copse\" # of firs\n\n[[tree]]\npreset = \"fir\"\n";
+    let broken = "id = \"a\"\n[colonization\n";
+    for (text, renamed) in [
+        (tree, tree.replace("\"a\"", "\"b\"")),
+        (forest, forest.replace("\"a\"", "\"b\"")),
+        (broken, broken.to_owned()),
+    ] {
+        std::fs::write(file("a.toml"), text).unwrap();
+        assert_eq!(rename(&file("a.toml"), "b"), Ok(file("b.toml")));
+        assert_eq!(std::fs::read_to_string(file("b.toml")).unwrap(), renamed);
+        assert!(!file("a.toml").exists());
+        std::fs::remove_file(file("b.toml")).unwrap();
+    }
 }

@@ -318,11 +318,15 @@ impl Tree {
         }
     }
 
-    /// Its document is called otherwise, and says the same.
+    /// Its document is called otherwise, and says the same but for its id, and its name where that was the id.
     pub fn renamed(&mut self, place: TreePlace, id: &str) {
         let steps = self.past.iter_mut().chain(&mut self.future).chain([&mut self.current, &mut self.saved]);
         for step in steps {
-            id.clone_into(&mut Arc::make_mut(step).preset.id);
+            let preset = &mut Arc::make_mut(step).preset;
+            if preset.name == preset.id {
+                id.clone_into(&mut preset.name);
+            }
+            id.clone_into(&mut preset.id);
         }
         self.place = place;
     }

@@ -35,6 +35,32 @@ impl ForestDocument {
         }
         Ok(document.to_string())
     }
+
+    /// The TOML document `text` with another id, and with that for a name where the id was its name too. One without an
+    /// id, which has that of its file, stays as it is.
+    ///
+    /// ```
+    /// use linden_pipeline::forest::ForestDocument;
+    /// let text = "id = \"wood\" # mine\n\n[[tree]]\npreset = \"fir\"\n";
+    /// assert_eq!(ForestDocument::rename_toml(text, "copse")?, text.replace("wood", "copse"));
+    /// # Ok::<(), linden_base::document::Fault>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Why `text` is no forest's document in TOML.
+    pub fn rename_toml(text: &str, id: &str) -> Result<String, Fault> {
+        let before = Self::parse(text)?;
+        let mut document: DocumentMut = text
+            .parse()
+            .map_err(|error: toml_edit::TomlError| Fault { place: None, message: error.to_string() })?;
+        if let Some(known) = before.id {
+            put(&mut document, "id", id.into());
+            if before.name == known {
+                put(&mut document, "name", id.into());
+            }
+        }
+        Ok(document.to_string())
+    }
 }
 
 /// Puts a value in the place of the one that is there, with the comment behind it.
@@ -77,6 +103,20 @@ mod tests {
             let trees = |text: &str| text[text.find("[[tree]]").unwrap()..].to_owned();
             assert_eq!(trees(&edited), trees(text));
         }
+    }
+
+    #[test]
+    fn another_id_is_written_where_there_was_one() {
+        let trees = "# trees\n[[tree]]\npreset = \"fir\"\n";
+        for (head, renamed) in [
+            ("id = \"a\"\nname = \"a\" # b\n", "id = \"c\"\nname = \"c\" # b\n"),
+            ("id = \"a\"\nname = \"Mixed\"\n", "id = \"c\"\nname = \"Mixed\"\n"),
+            ("name = \"a\"\n", "name = \"a\"\n"),
+        ] {
+            let text = ForestDocument::rename_toml(&format!("{head}{trees}"), "c").unwrap();
+            assert_eq!(text, format!("{renamed}{trees}"));
+        }
+        assert!(ForestDocument::rename_toml("area = 3", "c").is_err());
     }
 
     #[test]

@@ -125,7 +125,7 @@ impl ForestOnScreen {
         self.saved = Arc::clone(&self.current);
     }
 
-    /// Its document is called otherwise, and says the same.
+    /// Its document is called otherwise, and says the same but for its id, and its name where that was the id.
     pub fn renamed(&mut self, place: TreePlace, id: &str) {
         let files = self.files.iter_mut();
         if let (TreePlace::File(before), TreePlace::File(path)) = (&self.place, &place) {
@@ -133,7 +133,11 @@ impl ForestOnScreen {
         }
         let steps = self.past.iter_mut().chain(&mut self.future).chain([&mut self.current, &mut self.saved]);
         for step in steps {
-            id.clone_into(&mut Arc::make_mut(step).id);
+            let forest = Arc::make_mut(step);
+            if forest.name == forest.id {
+                id.clone_into(&mut forest.name);
+            }
+            id.clone_into(&mut forest.id);
         }
         self.place = place;
     }

@@ -295,7 +295,14 @@ pub fn file_renamed(model: &mut Model, result: Result<(PathBuf, PathBuf), String
         tree.renamed(to.clone(), &id);
     }
     if let Some(forest) = model.forest.as_mut().filter(|forest| forest.place == from) {
-        forest.renamed(to, &id);
+        forest.renamed(to.clone(), &id);
+    }
+    if let Some((place, _)) = model.changes.as_mut().filter(|(place, _)| *place == from) {
+        place.clone_from(&to);
+    }
+    if model.loading.as_ref() == Some(&from) {
+        model.loading = Some(to.clone());
+        effects.push(Effect::Load(to));
     }
     model.say(format!("renamed to '{}'", linden::knob::excerpt(&id)));
     effects.push(Effect::Reconfigure);

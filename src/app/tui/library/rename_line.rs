@@ -17,6 +17,9 @@ use crate::tui::layout::View;
 use crate::tui::model::Model;
 use crate::tui::tree::TreePlace;
 
+/// Why a name is not taken that another one has.
+const TAKEN: &str = "there is one of that name, or what you changed of it; choose another name";
+
 /// The line of the name.
 pub struct RenameLine {
     prompt: Prompt,
@@ -26,19 +29,32 @@ pub struct RenameLine {
 }
 
 impl RenameLine {
-    /// For the selected entry; `None` where that is none of the user's presets, or its file is gone.
+    /// For the selected entry; `None` where that is none of the user's presets and grammars, was removed, or its file is
+    /// gone.
     pub fn new(model: &Model) -> Option<Self> {
         let entry = model.library.entry().filter(|entry| !entry.is_gone)?;
         let TreePlace::File(path) = &entry.place else { return None };
-        let is_own = model.config.dirs.presets().is_some_and(|dir| path.starts_with(dir));
+        let is_own = model.config.dirs.presets().is_some_and(|dir| path.starts_with(dir))
+            && presets::has_ending(path)
+            && presets::before_put_away(path).is_none();
         is_own.then(|| Self { prompt: Prompt::new(&entry.id), id: entry.id.clone(), path: path.clone() })
     }
 
-    fn judge(&mut self) {
+    fn judge(&mut self, model: &Model) {
         let typed = self.prompt.text();
-        self.prompt.problem = presets::check_id(typed)
-            .err()
+        let why = presets::check_id(typed).err().or_else(|| self.is_taken(model, typed).then_some(TAKEN));
+        self.prompt.problem = why
             .map(|why| format!("'{}' cannot be the name of '{}': {why}", excerpt(typed), excerpt(&self.id)));
+    }
+
+    /// Whether another preset has that name, or changes of one whose file is gone. Files that nothing here knows are
+    /// seen when it is renamed.
+    fn is_taken(&self, model: &Model, id: &str) -> bool {
+        let place = TreePlace::File(presets::renamed_path(&self.path, id));
+        id != self.id
+            && (model.library.knows(&place)
+                || model.place() == Some(&place)
+                || model.loading.as_ref() == Some(&place))
     }
 
     fn remark(&self) -> Remark {
@@ -68,21 +84,21 @@ impl Dialog<Model> for RenameLine {
         self.prompt.paint_at_bottom(model, &label, Some(&self.remark()), screen, buffer, view);
     }
 
-    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+    fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         if self.prompt.key(key) {
-            self.judge();
+            self.judge(model);
         }
         After::Stays
     }
 
-    fn paste(&mut self, _model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+    fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
         self.prompt.paste(text);
-        self.judge();
+        self.judge(model);
         After::Stays
     }
 
-    fn accept(&mut self, _model: &mut Model, effects: &mut Effects) -> After {
-        self.judge();
+    fn accept(&mut self, model: &mut Model, effects: &mut Effects) -> After {
+        self.judge(model);
         if self.prompt.problem.is_some() {
             return After::Stays;
         }

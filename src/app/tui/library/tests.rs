@@ -153,8 +153,63 @@ fn a_preset_is_renamed_and_keeps_all_that_is_known_of_it() {
     let entry = bench.model.library.entry().unwrap();
     assert_eq!((&entry.place, entry.id.as_str(), entry.is_gone), (&place, "yours", false));
     assert!(bench.model.library.is_favourite(entry) && bench.model.library.given_tags() == ["hedge"]);
-    assert_eq!((&bench.tree().place, bench.value("points")), (&place, turned));
+    assert_eq!((&bench.tree().place, bench.value("points")), (&place, turned.clone()));
     assert!(bench.tree().is_modified() && bench.tree().preset().id == "yours");
+    // Read again, as when its folder is watched, it says nothing new.
+    let steps = bench.tree().steps();
+    let TreePlace::File(to) = &place else { unreachable!() };
+    let read = crate::source::forest::AnySource::read(to, &Quiet).unwrap();
+    bench.model.loading = Some(place.clone());
+    bench.send(Msg::Loaded(place.clone(), Ok(read)));
+    assert!(bench.said().contains("renamed to 'yours'"), "{}", bench.said());
+    assert_eq!((bench.tree().steps(), bench.value("points")), (steps, turned));
+    assert_eq!((bench.tree().preset().id.as_str(), bench.tree().preset().name.as_str()), ("yours", "yours"));
+    assert!(!bench.tree().is_overtaken);
+}
+
+#[test]
+fn no_preset_is_renamed_to_one_that_is_known_though_its_file_is_gone() {
+    let (dir, path, turned, mut bench) = own_preset_gone();
+    let other = path.with_file_name("other.toml");
+    std::fs::write(&other, DOCUMENT.replace("mine", "other")).unwrap();
+    relist(&mut bench, dir.path());
+    bench.model.focus_on(Pane::Presets);
+    bench.model.library.select_place(&TreePlace::File(other));
+    bench.keys("f2 ctrl-u").typed("mine").keys("enter");
+    assert!(text(&bench.paint(120, 40).0).contains("there is one of that name"));
+    bench.keys("esc");
+    assert!(bench.effects.iter().all(|effect| !matches!(effect, Effect::Rename { .. })));
+    assert_eq!(bench.value("points"), turned);
+}
+
+#[test]
+fn only_presets_and_grammars_are_renamed() {
+    let (dir, _, mut bench) = own_preset();
+    bench.model.focus_on(Pane::Presets);
+    for name in ["presets/stem.ply", "presets/.removed/mine.toml"] {
+        let path = dir.path().join(name);
+        bench.model.library.add_broken(path.clone(), "it is another test's");
+        bench.model.library.select_place(&TreePlace::File(path));
+        bench.keys("f2");
+        assert!(bench.said().contains("only presets of yours") && bench.model.dialogs.is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn what_is_being_read_is_read_from_its_new_name() {
+    let (_dir, path, mut bench) = own_preset();
+    let from = TreePlace::File(path.clone());
+    let changes = crate::tui::tree::Changes { knobs: vec![("points".into(), "300".into())], whole: None };
+    bench.model.loading = Some(from.clone());
+    bench.model.changes = Some((from.clone(), changes));
+    bench.model.library.begin_passing(Some(&from), None);
+    let to = crate::config::presets::rename(&path, "yours").unwrap();
+    bench.send(Msg::Renamed(Ok((path, to.clone()))));
+    let to = TreePlace::File(to);
+    assert!(bench.effects.iter().any(|effect| matches!(effect, Effect::Load(place) if *place == to)));
+    assert_eq!(bench.model.loading.as_ref(), Some(&to));
+    assert_eq!(bench.model.changes.as_ref().map(|(place, _)| place), Some(&to));
+    assert_eq!(bench.model.library.passing.as_ref().and_then(|passing| passing.from.as_ref()), Some(&to));
 }
 
 #[test]

@@ -336,6 +336,15 @@ impl Library {
         }
     }
 
+    /// Whether anything is known of a place: an entry, though its file may be gone, or changes.
+    pub fn knows(&self, place: &TreePlace) -> bool {
+        let entries = self.entries.iter().map(|entry| &entry.place);
+        let shelved =
+            self.shelf.iter().map(|tree| &tree.place).chain(self.forests.iter().map(|forest| &forest.place));
+        let unread = self.unread.iter().map(|(place, _)| place);
+        entries.chain(shelved).chain(unread).any(|known| is_same(known, place))
+    }
+
     /// What was at `from` is at `to`, and is called `id`: what is known of it goes along, also its mark and its tags.
     /// The cursor stays on it.
     pub fn renamed(&mut self, from: &TreePlace, to: &TreePlace, id: &str) {
@@ -360,7 +369,10 @@ impl Library {
             forest.renamed(to.clone(), id);
         }
         let unread = self.unread.iter_mut().map(|(place, _)| place);
-        for place in unread.chain(self.before.as_mut()).filter(|place| is_same(place, from)) {
+        let passing =
+            self.passing.iter_mut().flat_map(|passing| [&mut passing.from, &mut passing.before]).flatten();
+        let places = unread.chain(self.before.as_mut()).chain(passing);
+        for place in places.filter(|place| is_same(place, from)) {
             *place = to.clone();
         }
         self.arrange();
