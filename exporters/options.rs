@@ -91,9 +91,23 @@ impl Options {
         Ok(())
     }
 
-    /// The same on behalf of nobody: where it has no effect, nothing is said.
-    pub(crate) fn suit(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
+    /// Sets an option that no user asked for, as that of a program: where it has no effect, nothing is said. One that
+    /// was [`set`](Self::set) before still counts as asked for.
+    ///
+    /// # Errors
+    /// As [`set`](Self::set).
+    pub fn suit(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
         self.change(name, text).map(|_| ())
+    }
+
+    /// Gives an option its default back, as if it had never been set. What the format lacks is left out.
+    pub fn reset(&mut self, name: &str) {
+        let defaults = Self::new(self.format).values;
+        let places = self.format.options.iter().zip(defaults).enumerate();
+        for (index, (_, default)) in places.filter(|(_, (spec, _))| spec.knob.name == name) {
+            self.values[index] = default;
+            self.asked[index] = false;
+        }
     }
 
     /// Puts what a plant has once back to what is said of it without a word.
@@ -190,5 +204,10 @@ mod tests {
         options.set("lines", "true").unwrap();
         assert!(options.is_on("lines"));
         assert!(options.set("lines", "yes").is_err());
+        assert!(options.is_asked("lines"));
+        options.reset("lines");
+        options.suit("pictures", "false").unwrap();
+        assert!(!options.is_on("lines") && !options.is_on("pictures"));
+        assert!(!options.is_asked("lines") && !options.is_asked("pictures"));
     }
 }

@@ -15,26 +15,27 @@ impl ExportDialog {
         self.set_client(next.checked_sub(1).map(|next| &PROFILES[next]));
     }
 
-    /// Sets what suits a program in all formats that have it. What suited the one before, and was not changed since, is as
-    /// by itself again.
+    /// Sets what suits a program in all formats that have it, as `--for` does: what was set by hand holds against it. What
+    /// suited the one before is as by itself again.
     fn set_client(&mut self, client: Option<&'static Profile>) {
         for choice in &mut self.formats {
             let format = choice.exporter.format();
-            let before = self.client.iter().flat_map(|before| before.options_of(format));
-            let unturned: Vec<_> = before.filter(|(name, value)| choice.is_set(name, value)).collect();
-            for (name, _) in unturned {
-                let usual = format.options.iter().find(|spec| spec.knob.name == name);
-                let _ = choice.options.set(name, usual.map_or("", |spec| spec.default));
+            for (name, _) in self.client.iter().flat_map(|before| before.options_of(format)) {
+                if !choice.options.is_asked(name) {
+                    choice.options.reset(name);
+                }
             }
             for (name, value) in client.iter().flat_map(|client| client.options_of(format)) {
-                // The table has values of their kinds.
-                let _ = choice.options.set(name, value);
+                if !choice.options.is_asked(name) {
+                    // The table has values of their kinds.
+                    let _ = choice.options.suit(name, value);
+                }
             }
         }
         self.take_client(client);
     }
 
-    /// The same where the options are what they were set to since.
+    /// The same where the options have it already.
     pub fn take_client(&mut self, client: Option<&'static Profile>) {
         self.client = client;
         if let Some(knobs) = &mut self.knobs {
@@ -67,10 +68,6 @@ impl ExportDialog {
 }
 
 impl FormatChoice {
-    fn is_set(&self, name: &str, value: &str) -> bool {
-        self.options.value(name).is_some_and(|set| set.to_string() == value)
-    }
-
     /// The options that are not as `--for` sets them, or by themselves without it.
     pub fn turned(&self, client: Option<&'static Profile>) -> Vec<(&'static str, String)> {
         let format = self.exporter.format();

@@ -8,11 +8,11 @@ use std::sync::Arc;
 use crossterm::event::KeyEvent;
 use linden::knob::{Kind, Value};
 use linden::preset::PresetKnob;
-use linden::recipe::Recipe;
 use linden::season::Season;
 use linden_exporters::{Estimate, Exporter, OptionSpec, Options, Profile, USUAL};
 use tui_input::Input;
 
+use super::ages::age_turned;
 use super::knobs::ExportKnobs;
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
@@ -20,7 +20,7 @@ use crate::tui::chrome::prompt::{common_start, edit, paste};
 use crate::tui::command::Context;
 use crate::tui::model::KeptExport;
 use crate::tui::shape::nudge::{Nudge, nudged};
-use crate::tui::tree::TreePlace;
+use crate::tui::tree::{Tree, TreePlace};
 use linden_exporters::{Output, default_name};
 
 /// How the session's file calls it that camera, sun, sky and ground go along.
@@ -29,8 +29,6 @@ const SCENE: &str = "scene";
 const SEASONS: &str = "seasons";
 /// How it calls the program that files are for.
 const CLIENT: &str = "for";
-/// How it calls the ages that a tree is written at.
-const AGES: &str = "ages";
 /// The option that formats have which show one view.
 const YAW: &str = "yaw";
 /// Where the dialog's keys are listened to.
@@ -155,13 +153,16 @@ impl ExportDialog {
         last: &session::ExportChoices,
         id: &str,
         all: &[&'static dyn Exporter],
-        tree: Option<&Arc<Recipe>>,
+        tree: Option<&Tree>,
     ) -> Self {
+        let client = last.options.iter().find(|(name, _)| name == CLIENT);
+        let client = client.and_then(|(_, id)| Profile::find(id).ok());
         let known = |format: &str| all.iter().any(|exporter| exporter.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {
             let format = exporter.format();
-            let mut options = Options::new(format);
+            let suited = client.and_then(|client| client.options(format).ok());
+            let mut options = suited.unwrap_or_else(|| Options::new(format));
             for (name, value) in &last.options {
                 // What another version had is left out.
                 if let Some((_, name)) = name.split_once('.').filter(|(of, _)| *of == format.id) {
@@ -180,7 +181,6 @@ impl ExportDialog {
         };
         let formats: Vec<_> = all.iter().map(choice).collect();
         let cursor = formats.iter().position(|choice| choice.chosen).unwrap_or(0);
-        let client = last.options.iter().find(|(name, _)| name == CLIENT);
         let mut dialog = Self {
             formats,
             cursor: ExportSpot::Format(cursor),
@@ -195,20 +195,15 @@ impl ExportDialog {
                 },
             ),
             ages: String::new(),
-            age_turned: None,
-            knobs: tree.map(ExportKnobs::new),
+            age_turned: tree.and_then(age_turned),
+            knobs: tree.map(|tree| ExportKnobs::new(tree.wanted(), tree.turned())),
             as_on_screen: Vec::new(),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
             id: id.to_owned(),
         };
-        // Names of ages are a plant's own.
-        let ages = last.options.iter().find(|(name, _)| name == AGES).map_or("", |(_, list)| list);
-        if dialog.ages_of(ages).is_ok() {
-            ages.clone_into(&mut dialog.ages);
-        }
-        dialog.take_client(client.and_then(|(_, id)| Profile::find(id).ok()));
+        dialog.take_client(client);
         dialog
     }
 
@@ -272,7 +267,7 @@ impl ExportDialog {
     /// What was set, for when it is opened again on the same.
     pub fn kept(&self, place: TreePlace) -> KeptExport {
         let turned = self.knobs.iter().flat_map(ExportKnobs::turned);
-        KeptExport { place, choices: self.choices(), knobs: turned.collect() }
+        KeptExport { place, choices: self.choices(), knobs: turned.collect(), ages: self.ages.clone() }
     }
 
     /// Sets what was kept and the choices do not say.
@@ -285,6 +280,10 @@ impl ExportDialog {
         }
         if let Some(knobs) = &mut self.knobs {
             knobs.turn(&kept.knobs);
+        }
+        // They may not be allowed any more: its age was turned since.
+        if self.ages_of(&kept.ages).is_ok() {
+            self.ages.clone_from(&kept.ages);
         }
     }
 
@@ -581,15 +580,14 @@ impl ExportDialog {
         if !self.seasons.is_empty() {
             options.push((SEASONS.to_owned(), self.seasons.clone()));
         }
-        if !self.ages.is_empty() {
-            options.push((AGES.to_owned(), self.ages.clone()));
-        }
         for (i, choice) in self.formats.iter().enumerate() {
             let format = choice.exporter.format();
-            for (k, (spec, (name, value))) in format.options.iter().zip(choice.options.iter()).enumerate() {
+            // What the program sets it sets again.
+            for (name, value) in choice.turned(self.client) {
+                let row = format.options.iter().position(|spec| spec.knob.name == name);
                 // How the picture is seen now is asked anew.
-                if !self.is_as_on_screen(i, k) && spec.knob.kind.parse(spec.default).as_ref() != Ok(value) {
-                    options.push((format!("{}.{name}", format.id), value.to_string()));
+                if !row.is_some_and(|k| self.is_as_on_screen(i, k)) {
+                    options.push((format!("{}.{name}", format.id), value));
                 }
             }
         }

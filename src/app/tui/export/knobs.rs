@@ -21,18 +21,21 @@ pub struct ExportKnobs {
     rows: Vec<PresetKnob>,
     /// Those of the program that the files are for, which the tree has.
     suited: Vec<PresetKnob>,
+    /// The names of those that are turned on screen.
+    held: Vec<&'static str>,
 }
 
 impl ExportKnobs {
-    /// For a tree, none of them turned yet.
-    pub fn new(tree: &Arc<Recipe>) -> Self {
+    /// For a tree, none of them turned yet but those that `held` has, on screen.
+    pub fn new(tree: &Arc<Recipe>, held: Vec<&'static str>) -> Self {
         let all = tree.preset.knobs();
         let found = |name: &str| all.iter().find(|(row, _)| row.knob.name == name).map(|(row, _)| *row);
         let rows = KNOBS.into_iter().filter_map(found).collect();
-        Self { tree: Arc::clone(tree), turned: tree.preset.clone(), rows, suited: Vec::new() }
+        Self { tree: Arc::clone(tree), turned: tree.preset.clone(), rows, suited: Vec::new(), held }
     }
 
-    /// Turns the knobs that suit a program; those of the one before are the tree's again.
+    /// Turns the knobs that suit a program; those of the one before are the tree's again. What was turned by hand, on
+    /// screen or here, holds against it.
     pub fn suit(&mut self, knobs: &[(&'static str, &'static str)]) {
         for before in std::mem::take(&mut self.suited) {
             if let Some(text) = text_in(&self.tree.preset, &before) {
@@ -43,6 +46,8 @@ impl ExportKnobs {
         let all = self.turned.knobs();
         for (name, value) in knobs {
             let knob = all.iter().find(|(knob, _)| knob.knob.name == *name).map(|(knob, _)| *knob);
+            let knob = knob
+                .filter(|knob| !self.held.contains(name) && !self.turned.differs(knob, &self.tree.preset));
             // What the tree has not is not asked of it.
             self.suited.extend(knob.filter(|_| self.turned.set(name, value).is_ok()));
         }

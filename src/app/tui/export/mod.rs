@@ -168,11 +168,9 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let of_forest = model.forest.as_ref().map(|forest| forest.wanted().id.as_str());
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
     let all = if model.forest.is_some() { formats_of_forests() } else { formats() };
-    let tree = model.tree.as_ref().map(Tree::wanted);
     let kept = model.exporting.kept_of(model.place());
     let choices = kept.map_or(&model.exporting.last, |kept| &kept.choices);
-    let mut dialog = ExportDialog::new(choices, id, &all, tree);
-    dialog.age_turned = model.tree.as_ref().and_then(ages::age_turned);
+    let mut dialog = ExportDialog::new(choices, id, &all, model.tree.as_ref());
     let named = model.exporting.named.as_ref().filter(|named| Some(&named.place) == model.place());
     if let Some(named) = named {
         dialog.name(&named.targets);

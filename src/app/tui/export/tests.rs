@@ -1065,6 +1065,70 @@ fn a_program_sets_what_suits_it_and_the_copied_command_says_so() {
 }
 
 #[test]
+fn what_a_program_sets_counts_as_set_by_nobody_and_what_a_user_set_before_holds() {
+    let mut bench = ExportBench::new();
+    bench.model.tree.as_mut().unwrap().set("junction", "blend", Instant::now()).unwrap();
+    bench.keys("e");
+    let glb = place_of("glb");
+    bench.go_to(option_of("glb", "collision"));
+    bench.keys("left");
+    let by_hand = value_of(&bench, "glb", "collision");
+    assert_ne!(by_hand, "capsules");
+    bench.go_to(ExportSpot::Client);
+    bench.keys("right right");
+    let options = &bench.dialog().formats[glb].options;
+    assert_eq!(value_of(&bench, "glb", "collision"), by_hand);
+    assert!(options.is_asked("collision") && !options.is_asked("wind_as") && !options.is_asked("lods"));
+    // Also when it is written, and the next time.
+    let order = ExportBench::order(bench.keys("x"));
+    let options = &order.outputs[0].options;
+    assert!(options.is_word("wind_as", "packed") && !options.is_asked("wind_as"));
+    let export = bench.model.exporting.to_session();
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(export.options, [pair("for", "godot"), pair("glb.collision", &by_hand)]);
+    bench.model.exporting = Exporting::default();
+    bench.model.exporting.remember(&Session { export, ..Session::default() });
+    bench.keys("e");
+    let options = &bench.dialog().formats[glb].options;
+    assert!(options.is_word("wind_as", "packed") && !options.is_asked("wind_as"));
+    assert_eq!(value_of(&bench, "glb", "collision"), by_hand);
+    // Of the plant, too: what is turned on screen holds.
+    bench.go_to(ExportSpot::Client);
+    bench.keys("left left left");
+    assert_eq!(bench.dialog().client.map(|client| client.id), Some("print"));
+    let knobs = bench.dialog().knobs.as_ref().unwrap();
+    assert!(knobs.turned().all(|(name, _)| name != "junction"));
+    assert!(!bench.dialog().formats[glb].options.is_word("wind_as", "packed"));
+}
+
+#[test]
+fn ages_are_of_one_tree_and_go_when_its_age_is_turned() {
+    let ages = |bench: &mut ExportBench| {
+        bench.keys("e");
+        let ages = bench.dialog().ages.clone();
+        bench.keys("esc");
+        ages
+    };
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    bench.go_to(ExportSpot::Ages);
+    bench.keys("enter");
+    bench.retype("half=0.5");
+    bench.keys("enter");
+    let order = ExportBench::order(bench.keys("x"));
+    assert_eq!(order.ages.len(), 1);
+    assert_eq!(ages(&mut bench), "half=0.5", "the same tree has them again");
+    let kept = bench.model.exporting.kept.clone();
+    bench.model.tree.as_mut().unwrap().place = TreePlace::Builtin("fir");
+    assert_eq!(ages(&mut bench), "", "another has them not");
+    bench.model.exporting.kept = kept;
+    let tree = bench.model.tree.as_mut().unwrap();
+    tree.place = TreePlace::Builtin("older-c");
+    tree.set("derivations", "1", Instant::now()).unwrap();
+    assert_eq!(ages(&mut bench), "", "nor is one shown that is not written");
+}
+
+#[test]
 fn several_ages_are_written_and_copied() {
     let mut bench = ExportBench::new();
     bench.keys("e");

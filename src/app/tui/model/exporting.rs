@@ -42,6 +42,8 @@ pub struct KeptExport {
     pub choices: session::ExportChoices,
     /// Knobs that were turned for this export.
     pub knobs: Vec<(&'static str, String)>,
+    /// The ages that it is written at, as they were typed: names of ages are a plant's own, no other has them.
+    pub ages: String,
 }
 
 /// Where the files of a tree or a forest went, for as long as it is open.
