@@ -355,7 +355,8 @@ fn colors(light: bool, depth: ColorDepth) -> Vec<(String, Color)> {
 const fn ansi_on_light(ansi: Color) -> Color {
     match ansi {
         Color::Green | Color::Cyan => Color::Blue,
-        Color::Yellow => Color::Red,
+        // Errors are red, and warnings are none.
+        Color::Yellow => Color::Magenta,
         other => other,
     }
 }

@@ -151,6 +151,7 @@ fn sixteen_colours_are_the_terminals_and_mark_what_has_no_ground() {
         assert!(theme.selected.add_modifier.contains(REVERSED));
         assert!(theme.dim.add_modifier.contains(DIM) && theme.text.add_modifier.is_empty());
         assert_eq!(theme.error.fg, Some(Color::Red));
+        assert_ne!(theme.warning.fg, theme.error.fg);
     }
     // What the user says counts there too.
     let text = "extends = \"dark\"\nhint = { bg = \"soil\" }\nselected_unfocused = { bg = \"green\" }\n\

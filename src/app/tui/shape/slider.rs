@@ -19,6 +19,8 @@ enum Spread {
     Decades,
     /// The exponent of a share of the range, which brings small values away from the lower end.
     Power(f64),
+    /// Equal ratios of what is one more, which zero has a place among.
+    Counts,
 }
 
 /// From this ratio of its ends on a range is drawn by decades.
@@ -41,8 +43,13 @@ impl Scale {
             Spread::Decades
         } else {
             let share = usual.and_then(number).map_or(1.0, |usual| (usual - low) / (high - low));
-            let is_crowded = low >= 0.0 && share > 0.0 && share < CROWDED;
-            if is_crowded { Spread::Power(libm::log(0.5) / libm::log(share)) } else { Spread::Even }
+            if low >= 0.0 && share > 0.0 && share < CROWDED {
+                Spread::Power(libm::log(0.5) / libm::log(share))
+            } else if low == 0.0 && share == 0.0 && high >= DECADES {
+                Spread::Counts
+            } else {
+                Spread::Even
+            }
         };
         is_range.then_some(Self { low, high, spread })
     }
@@ -55,6 +62,7 @@ impl Scale {
             Spread::Even => even(x),
             Spread::Decades => (libm::log(x / self.low) / libm::log(self.high / self.low)).clamp(0.0, 1.0),
             Spread::Power(exponent) => libm::pow(even(x), exponent),
+            Spread::Counts => (libm::log1p(x.max(0.0)) / libm::log1p(self.high)).clamp(0.0, 1.0),
         })
     }
 }
@@ -99,6 +107,14 @@ mod tests {
                 && (share(0.0, 1000.0, Some(2.0), 1000.0) - 1.0).abs() < 1e-9
         );
         assert!(share(0.0, 1000.0, Some(2.0), 3.0) > 0.52, "half more is seen");
+    }
+
+    #[test]
+    fn where_zero_is_usual_a_wide_range_is_drawn_by_decades_too() {
+        let triangles = u32::MAX.into();
+        assert!(share(0.0, triangles, Some(0.0), 0.0) < 1e-9);
+        assert!((0.4..0.6).contains(&share(0.0, triangles, Some(0.0), 50_000.0)));
+        assert!((share(0.0, 1.0, Some(0.0), 0.25) - 0.25).abs() < 1e-9, "a share is a share");
     }
 
     #[test]

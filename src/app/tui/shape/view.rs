@@ -23,6 +23,8 @@ use crate::wrap::{clipped, wrapped, wrapped_within};
 const ABOUT: [u16; 2] = [4, 9];
 /// Cells of the bar that shows where a value stands in its range.
 const SLIDER: usize = 20;
+/// The fewest that tell anything.
+const LEAST_SLIDER: usize = 6;
 /// Columns of a knob's name.
 const NAME: u16 = 18;
 /// The marks of what differs from the document, of the same while the document is looked at, and of
@@ -271,7 +273,9 @@ impl FormView<'_> {
             lines.push(Line::styled(linden::knob::printable(problem), theme.error));
         }
         match row {
-            FormRow::Knob(row_knob, value) => self.explain_knob(row_knob, value, &mut lines),
+            FormRow::Knob(row_knob, value) => {
+                self.explain_knob(row_knob, value, area.width.into(), &mut lines);
+            }
             FormRow::Rule(_, text) => {
                 if text.width() + 1 > usize::from(area.width) {
                     lines.push(Line::styled(linden::knob::printable(text), theme.value));
@@ -329,7 +333,13 @@ impl FormView<'_> {
         Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
     }
 
-    fn explain_knob(&self, row_knob: &PresetKnob, value: &Value, lines: &mut Vec<Line<'static>>) {
+    fn explain_knob(
+        &self,
+        row_knob: &PresetKnob,
+        value: &Value,
+        width: usize,
+        lines: &mut Vec<Line<'static>>,
+    ) {
         let theme = &self.model.config.theme;
         lines.push(Line::styled(row_knob.knob.help, theme.text));
         let unit =
@@ -369,7 +379,7 @@ impl FormView<'_> {
         let usual = row_knob.read(&self.tree.saved().preset);
         let scale = Scale::new(&row_knob.knob.kind, usual.as_ref());
         if let Some((scale, share)) = scale.and_then(|scale| Some((scale, scale.share(value)?))) {
-            lines.push(self.slider(&scale, share));
+            lines.extend(self.slider(&scale, share, width));
         }
         if typed(self.model).is_some() && !complete::words(row_knob.knob.name).is_empty() {
             range.push(Span::styled(" · Tab completes", theme.dim));
@@ -398,18 +408,22 @@ impl FormView<'_> {
         lines.push(Line::from(range));
     }
 
-    /// Where a value stands in its range: `0 ━━━━━●──── 10`.
-    fn slider(&self, scale: &Scale, share: f64) -> Line<'static> {
-        let Scale { low, high, .. } = scale;
+    /// Where a value stands in its range: `0 ━━━━━●──── 10`, in one line; `None` where there is no room for a bar.
+    fn slider(&self, scale: &Scale, share: f64, width: usize) -> Option<Line<'static>> {
+        let (low, high) = (format!("{} ", scale.low), format!(" {}", scale.high));
+        let bar = width.saturating_sub(low.width() + high.width()).min(SLIDER);
+        if bar < LEAST_SLIDER {
+            return None;
+        }
         let theme = &self.model.config.theme;
-        let at = (share * (SLIDER - 1) as f64).round() as usize;
-        Line::from(vec![
-            Span::styled(format!("{low} "), theme.unit),
+        let at = (share * (bar - 1) as f64).round() as usize;
+        Some(Line::from(vec![
+            Span::styled(low, theme.unit),
             Span::styled("━".repeat(at), theme.gauge),
             Span::styled("●", theme.value),
-            Span::styled("─".repeat(SLIDER - 1 - at), theme.gauge_track),
-            Span::styled(format!(" {high}"), theme.unit),
-        ])
+            Span::styled("─".repeat(bar - 1 - at), theme.gauge_track),
+            Span::styled(high, theme.unit),
+        ]))
     }
 
     /// The preset as it would be with what is being typed.
