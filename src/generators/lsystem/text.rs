@@ -175,7 +175,7 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
     let angle_deg = angle.map(|angle| angle.real(ANGLE_RANGE_DEG)).transpose()?;
     let count = derivations.map(|derivations| derivations.whole(MAX_DERIVATIONS)).transpose()?;
     let grammar = axiom.map(|axiom| grammar(axiom, &rules)).transpose()?;
-    // All of them at once: who is told one at a time mends the file three times.
+    // All of them in one error: a file is mended once.
     let known = [grammar.is_some(), angle_deg.is_some(), count.is_some()];
     let (Some(grammar), Some(angle_deg), Some(derivations)) = (grammar, angle_deg, count) else {
         let all = [(AXIOM, "F"), (ANGLE, "25"), (DERIVATIONS, "4")];

@@ -103,7 +103,8 @@ impl Year {
 
 /// Dresses a tree in each of some seasons, as [`levels`] does in that of the recipe: the wood is the same
 /// in all of them, level by level, and a leaf that is there in two hangs in the same place. A budget of
-/// triangles is met where the tree has most leaves, and used up where its twigs are bare. First comes the season nearest to the recipe's.
+/// triangles is met where the tree has most leaves, and used up where its twigs are bare. First comes the season nearest
+/// to the recipe's.
 ///
 /// # Errors
 /// As [`levels`]. Without any season there is that of the recipe.

@@ -206,7 +206,8 @@ const LOOKS: [Field<LeafKind>; 38] = [
         twig_shoots,
         details(
             "A straight shoot with leaves left and right looks like one compound leaf from afar. 2 to 6 side shoots make a \
-             spray of it, twice as broad, for 15 to 40 leaves: a maple, a lime or a beech. Leave hanging twigs (birch, willow) straight. A side shoot has two leaves or more: fewer are drawn where there are not enough for all."
+             spray of it, twice as broad, for 15 to 40 leaves: a maple, a lime or a beech. Leave hanging twigs (birch, willow) \
+             straight. A side shoot has two leaves or more: fewer are drawn where there are not enough for all."
         ),
         see_also(&["twig_leaves", "twig_length", "leaves_per_m"])
     ),

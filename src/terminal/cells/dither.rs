@@ -70,7 +70,8 @@ impl Dither {
         // Finer steps than a palette can show only take time.
         let rounded = bytes(light).map(|c| c & !3);
         let at =
-            rounded.iter().fold(0_usize, |hash, &c| hash.wrapping_mul(131).wrapping_add(c.into())) % PLACES;
+            rounded.iter().fold(0, |hash: usize, &c| hash.wrapping_mul(131).wrapping_add((c >> 2).into()))
+                % PLACES;
         let pairs = match self.found[at] {
             Some((known, pairs)) if known == rounded => pairs,
             _ => self.palette.square(self.palette.wanted(rounded.map(|c| decode(f32::from(c) / 255.0)))),

@@ -134,8 +134,8 @@ impl Pen<'_> {
             return self.one_color(paper);
         }
         let changes = |ink: Set, paper: Set| {
-            let is_poor = u32::from(paper.is_ink_alone()) * 3;
-            u32::from(self.ink != ink) + u32::from(self.paper != paper) + is_poor
+            let bright_paper = u32::from(paper.is_ink_alone()) * 3;
+            u32::from(self.ink != ink) + u32::from(self.paper != paper) + bright_paper
         };
         if changes(paper, ink) < changes(ink, paper) {
             self.put(glyph(glyphs, all & !split.drawn), Some(paper), Some(ink))

@@ -34,7 +34,8 @@ const RELIEF: f32 = 0.4;
 const THICKEST: f32 = 0.07;
 /// The same of a tree without leaves, whose cards show nothing else.
 const THICKEST_BARE: f32 = 0.3;
-/// Pixels that a twig is wide, at the least, from edge to edge, but where twigs cover too much (`laterals`); a prism of four sides is seen as wide as 0.7 of that.
+/// Pixels that a twig is wide, at the least, from edge to edge, but where twigs cover too much (`laterals`); a prism of four
+/// sides is seen as wide as 0.7 of that.
 const TWIG_PX: f32 = 1.6;
 /// Cells that are drawn before they are laid, at the most: for any number of cores that machines have.
 const CELLS_AT_ONCE: usize = 16;
@@ -96,7 +97,7 @@ impl Sight {
 
 /// A piece that is to be drawn.
 #[derive(Clone, Copy)]
-pub(super) struct Drawee<'a> {
+pub(super) struct CardSubject<'a> {
     pub level: &'a Pieces,
     pub piece: u32,
     pub frame: &'a Frame,
@@ -121,7 +122,7 @@ struct Model {
 /// # Errors
 /// [`DetailError`]: memory, or cancelled.
 pub(super) fn draw<'a>(
-    models: impl Iterator<Item = Drawee<'a>>,
+    models: impl Iterator<Item = CardSubject<'a>>,
     specimen: &Specimen<'_>,
     body: Body<'_>,
     wardrobe: &Wardrobe,
@@ -140,7 +141,7 @@ pub(super) fn draw<'a>(
     } else {
         (vec![f32::INFINITY], vec![plain(wardrobe.twig_bark())])
     };
-    let models: Vec<Drawee<'_>> = models.collect();
+    let models: Vec<CardSubject<'_>> = models.collect();
     let (mut drawn, sights) =
         built(&models, specimen, body, wardrobe, (&mut materials, &limits_m, grain), monitor)?;
     let sheet = Sheet::new(&sights, size_px);
@@ -230,7 +231,7 @@ pub(super) fn draw<'a>(
 
 /// The pieces of some levels and what is drawn of each, leaves as large as [`leaf_scale`] says of their level.
 fn built(
-    models: &[Drawee<'_>],
+    models: &[CardSubject<'_>],
     specimen: &Specimen<'_>,
     body: Body<'_>,
     wardrobe: &Wardrobe,
@@ -241,23 +242,23 @@ fn built(
     let (mut drawn, mut sights) = (Vec::new(), Vec::new());
     for (number, level) in models.chunk_by(|a, b| std::ptr::eq(a.level, b.level)).enumerate() {
         let mut build = |scale: f32| {
-            let build = |drawee: &Drawee<'_>| {
+            let build = |subject: &CardSubject<'_>| {
                 monitor.check()?;
-                model(*drawee, (scale, thickest, limits_m), specimen, body, wardrobe, materials, monitor)
+                model(*subject, (scale, thickest, limits_m), specimen, body, wardrobe, materials, monitor)
             };
             level.iter().map(build).collect::<Result<Vec<Model>, DetailError>>()
         };
         let mut built = build(1.0)?;
-        let shown = built.iter().zip(level).map(|(model, drawee)| leaf_areas(model, drawee.frame));
+        let shown = built.iter().zip(level).map(|(model, subject)| leaf_areas(model, subject.frame));
         let (cards, leaves) = shown.fold((0.0, 0.0), |(a, b), (c, d)| (a + c, b + d));
         let scale = leaf_scale(cards, leaves);
         if scale > 1.0 {
             built = build(scale)?;
         }
-        for (model, drawee) in built.into_iter().zip(level) {
+        for (model, subject) in built.into_iter().zip(level) {
             let share = grain.share(number);
             sights.extend(
-                seen(drawn.len(), &model, drawee.frame).into_iter().map(|sight| Sight { share, ..sight }),
+                seen(drawn.len(), &model, subject.frame).into_iter().map(|sight| Sight { share, ..sight }),
             );
             drawn.push(model);
         }
@@ -305,7 +306,7 @@ fn shade_share(pieces: usize, is_dome: bool) -> f32 {
 /// The leaves and the thin wood of a piece, the leaves larger by a factor, without wood that is thicker than a share of its
 /// radius.
 fn model(
-    Drawee { level, piece, frame, .. }: Drawee<'_>,
+    CardSubject { level, piece, frame, .. }: CardSubject<'_>,
     (scale, thickest, limits_m): (f32, f32, &[f32]),
     specimen: &Specimen<'_>,
     body: Body<'_>,
@@ -345,15 +346,15 @@ fn model(
 /// Makes thin wood as wide as its pixels ask for: in less than one it would be a row of dots.
 fn thicken(
     drawn: &mut [Model],
-    models: &[Drawee<'_>],
+    models: &[CardSubject<'_>],
     (sights, scale): (&[Sight], f32),
     skeleton: &Skeleton,
     limits_m: &[f32],
     laterals: Option<&Laterals>,
 ) {
     for planes in sights.chunks(PLANES) {
-        let drawee = models[planes[0].model];
-        let Drawee { level, piece, frame, density } = drawee;
+        let subject = models[planes[0].model];
+        let CardSubject { level, piece, frame, density } = subject;
         let model = &mut drawn[planes[0].model];
         let thinnest_m = TWIG_PX / 2.0 * frame.radius_m / (scale * planes[0].share);
         let is_drawn = |node: usize| level.is_thin[node] && skeleton.radii[node] <= model.thickest_m;
@@ -361,7 +362,7 @@ fn thicken(
             || (of_piece(level, piece).collect(), thinnest_m),
             |laterals| {
                 let drawn = of_piece(level, piece).filter(|node| is_drawn(*node));
-                let shown = rods_seen(skeleton, drawn, planes, frame);
+                let shown = shown_to_seen(skeleton, drawn, planes, frame);
                 let share = WOOD_SHOWN * density / shown;
                 laterals.thinned_out(skeleton, of_piece(level, piece), is_drawn, thinnest_m, share)
             },
@@ -376,7 +377,7 @@ fn thicken(
 
 /// How many times more of the wood of a piece its card shows than is seen of it: both planes have all of it, seen from their
 /// own sides.
-fn rods_seen(
+fn shown_to_seen(
     skeleton: &Skeleton,
     nodes: impl Iterator<Item = usize>,
     planes: &[Sight],
@@ -636,7 +637,7 @@ mod tests {
             let sight =
                 |plane: Plane| Sight { model: 0, share: 1.0, plane, low: Vec2::ZERO, high: Vec2::ONE };
             // Both upright.
-            rods_seen(&skeleton, [1].into_iter(), &[sight(SEEN[1]), sight(SEEN[2])], &frame)
+            shown_to_seen(&skeleton, [1].into_iter(), &[sight(SEEN[1]), sight(SEEN[2])], &frame)
         };
         // Eight views, two of which are square to each plane, see (1 + √2)/4 of it in the mean.
         let of_plane = (1.0 + std::f32::consts::SQRT_2) / 4.0;

@@ -158,7 +158,7 @@ impl Cards {
             .transpose()?;
         let wardrobe = redrawn.as_ref().unwrap_or(wardrobe);
         let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
-            deck.prototypes.iter().zip(&deck.densities).map(move |(&piece, &density)| draw::Drawee {
+            deck.prototypes.iter().zip(&deck.densities).map(move |(&piece, &density)| draw::CardSubject {
                 level,
                 piece,
                 frame: &deck.frames[piece as usize],
