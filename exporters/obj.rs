@@ -17,6 +17,7 @@ use linden_pipeline::stage::{Motion, Place, Stage};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart, NamedMaterial};
 use crate::writing::pictures::{self, NamedPicture};
+use crate::writing::recent::{Recent, RecentFloats};
 use crate::writing::records::{self, Digits, Text};
 use crate::writing::{fit, mean_digits, memory, one_word};
 use crate::{
@@ -178,7 +179,10 @@ fn write_piece(
         points(text, &mesh.positions[range], motion.as_ref());
     })?;
     records::write(out, count, |text, range| {
-        vectors::<2, _>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
+        let mut recent = RecentFloats::default();
+        for uv in &mesh.uvs[range] {
+            text.recent_tuple(&mut recent, (b"vt ", b" ", b"\n"), uv.to_array());
+        }
     })?;
     records::write(out, count, |text, range| match &motion {
         None => vectors::<3, _>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]),
@@ -193,17 +197,13 @@ fn write_piece(
     }
     out.write(b"s 1\n")?;
     records::write(out, mesh.triangles.len(), |text, range| {
+        let mut corners = Recent::<_, 256>::new(corner);
         for triangle in &mesh.triangles[range] {
-            text.fill::<128>(|room| {
+            text.fill::<{ 3 * CORNER_ROOM + 2 }>(|room| {
                 room[0] = b'f';
                 let mut len = 1;
                 for &vertex in triangle {
-                    // The same number for position, texture coordinate and normal.
-                    let number = Digits::of(before + vertex + 1);
-                    for before in *b" //" {
-                        room[len] = before;
-                        len = number.put(room, len + 1);
-                    }
+                    len += corners.put(before + vertex + 1, records::piece(room, len));
                 }
                 room[len] = b'\n';
                 len + 1
@@ -212,11 +212,23 @@ fn write_piece(
     })
 }
 
+/// Three numbers of ten digits with what stands before them, and as many bytes as the last one may touch.
+const CORNER_ROOM: usize = 3 * 11 + 7;
+
+/// A corner of a face: the same number for position, texture coordinate and normal.
+fn corner(vertex: u32, room: &mut [u8; CORNER_ROOM]) -> usize {
+    let number = Digits::of(vertex);
+    let mut len = 0;
+    for before in *b" //" {
+        room[len] = before;
+        len = number.put(room, len + 1);
+    }
+    len
+}
+
 fn vectors<const N: usize, const K: usize>(text: &mut Text, keyword: &[u8; K], vectors: &[[f32; N]]) {
     for vector in vectors {
-        text.bytes(keyword);
-        text.floats(*vector, b" ");
-        text.byte(b'\n');
+        text.tuple((keyword, b" ", b"\n"), *vector);
     }
 }
 

@@ -19,6 +19,7 @@ use linden_pipeline::stage::{Motion, Place, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::recent::{RecentFloats, RecentIntegers};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, mean_digits, memory, pictures, trees, validate};
 use crate::{
@@ -173,6 +174,7 @@ fn write_vertices(
     let plain = material.base_color.map(pictures::srgb);
     let picture = material.base_color_picture.as_deref();
     records::write(out, mesh.positions.len(), |text, range| {
+        let (mut coordinates, mut colors) = (RecentFloats::default(), RecentIntegers::default());
         for i in range {
             let (mut position, mut normal) = (mesh.positions[i], mesh.normals[i]);
             if let Some(motion) = &motion {
@@ -180,14 +182,14 @@ fn write_vertices(
             }
             let ([x, y, z], [nx, ny, nz], [s, t]) =
                 (position.to_array(), normal.to_array(), mesh.uvs[i].to_array());
-            let numbers = [x, y, z, nx, ny, nz, s, t];
             let [r, g, b] =
                 picture.map_or(plain, |picture| pictures::color_at(picture, material.wrap, mesh.uvs[i]));
             if ascii {
-                text.floats(numbers, b" ");
-                integers(text, &[r, g, b, 255].map(u32::from));
+                text.tuple((b"", b" ", b" "), [x, y, z, nx, ny, nz]);
+                text.recent_tuple(&mut coordinates, (b"", b" ", b" "), [s, t]);
+                text.recent_integers(&mut colors, (b"", b" ", b"\n"), [r, g, b, 255].map(u32::from));
             } else {
-                text.bytes(&bytemuck::cast::<_, [u8; 32]>(numbers));
+                text.bytes(&bytemuck::cast::<_, [u8; 32]>([x, y, z, nx, ny, nz, s, t]));
                 text.bytes(&[r, g, b, 255]);
             }
         }
@@ -202,11 +204,11 @@ fn write_faces(
 ) -> Result<(), ExportError> {
     let triangles = &piece.mesh.triangles;
     records::write(out, triangles.len(), |text, range| {
+        let mut recent = RecentIntegers::default();
         for triangle in &triangles[range] {
             let triangle = triangle.map(|vertex| before + vertex);
             if ascii {
-                text.byte(b'3');
-                integers(text, &triangle);
+                text.recent_integers(&mut recent, (b"3 ", b" ", b"\n"), triangle);
             } else {
                 let mut face = [3; 13];
                 face[1..].copy_from_slice(&bytemuck::cast::<_, [u8; 12]>(triangle));
@@ -214,15 +216,6 @@ fn write_faces(
             }
         }
     })
-}
-
-/// Each after a space, and the end of the line.
-fn integers(text: &mut Text, numbers: &[u32]) {
-    for &n in numbers {
-        text.byte(b' ');
-        text.integer(n);
-    }
-    text.byte(b'\n');
 }
 
 impl Exporter for PlySkeleton {
@@ -295,7 +288,9 @@ impl Exporter for PlySkeleton {
                         let ends = [before + parents[node], before + node as u32];
                         if ascii {
                             text.integer(ends[0]);
-                            integers(text, &ends[1..]);
+                            text.byte(b' ');
+                            text.integer(ends[1]);
+                            text.byte(b'\n');
                         } else {
                             text.bytes(&bytemuck::cast::<_, [u8; 8]>(ends));
                         }

@@ -71,7 +71,7 @@ uniform token subdivisionScheme = "none""#,
         tuple(min.to_array()),
         tuple(max.to_array()),
     ))?;
-    layer.array("int[] faceVertexCounts", triangles.len(), None, |_| 3)?;
+    layer.repeated("int[] faceVertexCounts", triangles.len(), 3)?;
     let corners = triangles.as_flattened();
     layer.array("int[] faceVertexIndices", corners.len(), None, |i| corners[i])?;
     layer.array("point3f[] points", points.len(), None, |i| points[i].to_array())?;

@@ -18,7 +18,7 @@ pub(super) fn indexed<const N: usize>(values: &[[f32; N]]) -> Option<(Vec<[f32; 
                 (hash.rotate_left(32) ^ u64::from(x.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15)
             });
             let mut slot = (hash >> (64 - bits)) as usize;
-            while table[slot] != FREE && once[table[slot] as usize] != value {
+            while table[slot] != FREE && !is_same(&once[table[slot] as usize], &value) {
                 slot = (slot + 1) % table.len();
             }
             if table[slot] == FREE {
@@ -29,6 +29,12 @@ pub(super) fn indexed<const N: usize>(values: &[[f32; N]]) -> Option<(Vec<[f32; 
         })
         .collect();
     (once.len() < values.len()).then_some((once, indices))
+}
+
+/// What `==` says, number by number: of slices it is a call.
+#[inline]
+fn is_same<const N: usize>(one: &[f32; N], other: &[f32; N]) -> bool {
+    one.iter().zip(other).all(|(x, y)| x == y)
 }
 
 #[cfg(test)]

@@ -4,8 +4,12 @@
 use linden_pipeline::Monitor;
 
 use crate::usdc::Crate;
-use crate::writing::records::{self, Digits, Text};
+use crate::writing::recent::{RecentFloats, RecentIntegers};
+use crate::writing::records::{self, Text};
 use crate::{ExportError, Sink};
+
+/// Elements of an array in a line: editors and diff choke on one of a hundred megabytes.
+const PER_LINE: usize = 64;
 
 /// A layer, up to some depth.
 pub(super) struct Layer<'s, 'a>(Form<'s, 'a>);
@@ -105,6 +109,26 @@ impl<'s, 'a> Layer<'s, 'a> {
         self.array_of(declaration, count, (Some("vertex"), size), item)
     }
 
+    /// An attribute that is the same number again and again.
+    pub fn repeated(&mut self, declaration: &str, count: usize, number: u32) -> Result<(), ExportError> {
+        let Form::Text { out, depth } = &mut self.0 else {
+            return self.array(declaration, count, None, |_| number);
+        };
+        let pad = "    ".repeat(*depth);
+        out.write(format!("{pad}{declaration} = [").as_bytes())?;
+        let line = vec![number.to_string(); PER_LINE].join(", ");
+        records::write(out, count.div_ceil(PER_LINE), |text, range| {
+            for row in range {
+                if row > 0 {
+                    text.bytes(b",\n");
+                }
+                let numbers = PER_LINE.min(count - row * PER_LINE);
+                text.slice(&line.as_bytes()[..(line.len() + 2) / PER_LINE * numbers - 2]);
+            }
+        })?;
+        out.write(b"]\n")
+    }
+
     fn array_of<T: Element>(
         &mut self,
         declaration: &str,
@@ -112,8 +136,6 @@ impl<'s, 'a> Layer<'s, 'a> {
         (interpolation, size): (Option<&str>, u32),
         item: impl Fn(usize) -> T + Sync,
     ) -> Result<(), ExportError> {
-        // Editors and diff choke on a line of a hundred megabytes.
-        const PER_LINE: usize = 64;
         let (out, depth) = match &mut self.0 {
             Form::Text { out, depth } => (out, *depth),
             Form::Binary(file) => {
@@ -125,11 +147,12 @@ impl<'s, 'a> Layer<'s, 'a> {
         let pad = "    ".repeat(depth);
         out.write(format!("{pad}{declaration} = [").as_bytes())?;
         records::write(out, count, |text, range| {
+            let mut recent = T::Recent::default();
             for i in range {
                 if i > 0 {
                     text.bytes(if i % PER_LINE == 0 { b",\n" } else { b", " });
                 }
-                item(i).format(text);
+                item(i).format(text, &mut recent);
             }
         })?;
         let metadata = interpolation
@@ -147,15 +170,20 @@ pub(super) trait Element: Copy {
     /// Elements of the array that it is.
     const ELEMENTS: usize = 1;
 
-    fn format(self, text: &mut Text);
+    /// What was formatted lately, where it comes again.
+    type Recent: Default;
+
+    fn format(self, text: &mut Text, recent: &mut Self::Recent);
 
     /// Appends its numbers as they lie in memory.
     fn append(self, bytes: &mut Vec<u8>);
 }
 
 impl Element for u32 {
-    fn format(self, text: &mut Text) {
-        text.integer(self);
+    type Recent = RecentIntegers;
+
+    fn format(self, text: &mut Text, recent: &mut RecentIntegers) {
+        text.recent_integers(recent, (b"", b"", b""), [self]);
     }
 
     fn append(self, bytes: &mut Vec<u8>) {
@@ -164,7 +192,9 @@ impl Element for u32 {
 }
 
 impl Element for f32 {
-    fn format(self, text: &mut Text) {
+    type Recent = ();
+
+    fn format(self, text: &mut Text, (): &mut ()) {
         text.float(self);
     }
 
@@ -173,12 +203,16 @@ impl Element for f32 {
     }
 }
 
-/// `(x, y, …)`.
+/// `(x, y, …)`. Two are texture coordinates, which stand in rows and columns.
 impl<const N: usize> Element for [f32; N] {
-    fn format(self, text: &mut Text) {
-        text.byte(b'(');
-        text.floats(self, b", ");
-        text.byte(b')');
+    type Recent = RecentFloats;
+
+    fn format(self, text: &mut Text, recent: &mut RecentFloats) {
+        if N == 2 {
+            text.recent_tuple(recent, (b"(", b", ", b")"), self);
+        } else {
+            text.tuple((b"(", b", ", b")"), self);
+        }
     }
 
     fn append(self, bytes: &mut Vec<u8>) {
@@ -189,17 +223,10 @@ impl<const N: usize> Element for [f32; N] {
 /// The corners of a triangle.
 impl Element for [u32; 3] {
     const ELEMENTS: usize = 3;
+    type Recent = RecentIntegers;
 
-    fn format(self, text: &mut Text) {
-        text.fill::<64>(|room| {
-            let [a, b, c] = self.map(Digits::of);
-            let mut len = a.put(room, 0);
-            for number in [b, c] {
-                room[len..len + 2].copy_from_slice(b", ");
-                len = number.put(room, len + 2);
-            }
-            len
-        });
+    fn format(self, text: &mut Text, recent: &mut RecentIntegers) {
+        text.recent_integers(recent, (b"", b", ", b""), self);
     }
 
     fn append(self, bytes: &mut Vec<u8>) {

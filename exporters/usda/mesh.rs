@@ -66,7 +66,7 @@ color3f[] primvars:displayColor = [{}] (
     // Which values repeat is found one after the other, while the rest is formatted.
     let (written, repeats) = rayon::join(
         || {
-            layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |_| 3)?;
+            layer.repeated("int[] faceVertexCounts", mesh.triangles.len(), 3)?;
             layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |i| mesh.triangles[i])?;
             layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
             layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())
@@ -104,7 +104,8 @@ fn coordinates(
     };
     layer.array(declaration, once.len(), Some("faceVarying"), |i| once[i])?;
     layer.array(&indices_of(declaration), mesh.triangles.len(), None, |i| {
-        mesh.triangles[i].map(|vertex| indices[vertex as usize])
+        let [a, b, c] = mesh.triangles[i];
+        [indices[a as usize], indices[b as usize], indices[c as usize]]
     })
 }
 

@@ -95,6 +95,7 @@ pub(crate) mod lightmap;
 pub mod memory;
 mod names;
 pub mod pictures;
+pub(crate) mod recent;
 pub mod records;
 pub mod trees;
 pub mod validate;

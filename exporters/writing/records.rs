@@ -6,7 +6,8 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::decimal::{self, FLOAT_ROOM};
+use super::decimal;
+use super::recent::{RecentFloats, RecentIntegers};
 use crate::{ExportError, Sink};
 
 pub use super::decimal::Digits;
@@ -91,6 +92,9 @@ pub fn write(
     })
 }
 
+/// What stands before, between and behind the numbers of a tuple.
+type Around<'a, const A: usize, const B: usize, const C: usize> = (&'a [u8; A], &'a [u8; B], &'a [u8; C]);
+
 /// Bytes of a file that is being formatted.
 ///
 /// Numbers are short, and a call of `memcpy` for each costs as much as formatting it: everything here
@@ -114,11 +118,16 @@ impl Text {
     /// The next `N` bytes, of which any number may be used.
     #[inline]
     fn room<const N: usize>(&mut self) -> &mut [u8; N] {
-        if self.buffer.len() < self.len + N {
-            self.grow(N);
+        piece(self.stretch(N), 0)
+    }
+
+    /// All of the room behind the text, `more` bytes at least.
+    #[inline]
+    fn stretch(&mut self, more: usize) -> &mut [u8] {
+        if self.buffer.len() < self.len + more {
+            self.grow(more);
         }
-        // It has just been made so long.
-        self.buffer[self.len..].first_chunk_mut().unwrap_or_else(|| unreachable!())
+        &mut self.buffer[self.len..]
     }
 
     #[cold]
@@ -139,11 +148,10 @@ impl Text {
         self.bytes(&[byte]);
     }
 
-    /// Appends any number of bytes, one by one: for what is short and rare.
+    /// Appends any number of bytes.
     pub fn slice(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.byte(byte);
-        }
+        self.stretch(bytes.len())[..bytes.len()].copy_from_slice(bytes);
+        self.len += bytes.len();
     }
 
     /// Appends what `fill` puts at the beginning of the next `N` bytes: it gives how many of them.
@@ -157,29 +165,69 @@ impl Text {
     /// Appends a finite number: the shortest decimals that read back as the same number; whole numbers without a point.
     #[inline]
     pub fn float(&mut self, x: f32) {
-        debug_assert!(x.is_finite());
-        match decimal::shortest(x, self.room::<FLOAT_ROOM>()) {
-            Some(len) => self.len += len,
-            None => self.tiny_or_huge(x),
-        }
-    }
-
-    #[cold]
-    fn tiny_or_huge(&mut self, x: f32) {
-        let mut buffer = zmij::Buffer::new();
-        let text = buffer.format_finite(x);
-        self.slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+        self.fill(|room| decimal::float(x, room));
     }
 
     /// Appends finite numbers, with `between` before each save the first.
     #[inline]
     pub fn floats<const N: usize, const B: usize>(&mut self, numbers: [f32; N], between: &[u8; B]) {
-        for (i, x) in numbers.into_iter().enumerate() {
+        self.tuple((b"", between, b""), numbers);
+    }
+
+    /// Appends finite numbers, with something before, between and behind them.
+    #[inline]
+    pub(crate) fn tuple<const N: usize, const A: usize, const B: usize, const C: usize>(
+        &mut self,
+        around: Around<'_, A, B, C>,
+        numbers: [f32; N],
+    ) {
+        self.list(around, numbers, decimal::float);
+    }
+
+    /// As [`Text::tuple`], for numbers of which many have been written shortly before.
+    #[inline]
+    pub(crate) fn recent_tuple<const N: usize, const A: usize, const B: usize, const C: usize>(
+        &mut self,
+        recent: &mut RecentFloats,
+        around: Around<'_, A, B, C>,
+        numbers: [f32; N],
+    ) {
+        self.list(around, numbers, |x, room| recent.put(x, room));
+    }
+
+    /// The same for integers.
+    #[inline]
+    pub(crate) fn recent_integers<const N: usize, const A: usize, const B: usize, const C: usize>(
+        &mut self,
+        recent: &mut RecentIntegers,
+        around: Around<'_, A, B, C>,
+        numbers: [u32; N],
+    ) {
+        self.list(around, numbers, |n, room| recent.put(n, room));
+    }
+
+    /// Appends numbers that `put` writes into the next `R` bytes each: it gives how many of them.
+    ///
+    /// There is room for all before the first one, and their lengths add up in a register.
+    #[inline]
+    fn list<T, const N: usize, const A: usize, const B: usize, const C: usize, const R: usize>(
+        &mut self,
+        (before, between, behind): Around<'_, A, B, C>,
+        numbers: [T; N],
+        mut put: impl FnMut(T, &mut [u8; R]) -> usize,
+    ) {
+        let room = self.stretch(A + N * (B + R) + C);
+        *piece(room, 0) = *before;
+        let mut len = A;
+        for (i, number) in numbers.into_iter().enumerate() {
             if i > 0 {
-                self.bytes(between);
+                *piece(room, len) = *between;
+                len += B;
             }
-            self.float(x);
+            len += put(number, piece(room, len));
         }
+        *piece(room, len) = *behind;
+        self.len += len + C;
     }
 
     /// Appends an integer in decimal.
@@ -194,6 +242,12 @@ impl Text {
         *self.room() = digits.text;
         self.len += digits.len;
     }
+}
+
+/// `N` bytes of a room that is long enough, from a place on.
+#[inline]
+pub(crate) fn piece<const N: usize>(room: &mut [u8], at: usize) -> &mut [u8; N] {
+    room[at..].first_chunk_mut().unwrap_or_else(|| unreachable!())
 }
 
 #[cfg(test)]
