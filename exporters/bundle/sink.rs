@@ -6,6 +6,7 @@ use linden_pipeline::Monitor;
 use linden_pipeline::monitor::Phase;
 
 use crate::ExportError;
+use crate::writing::records::Text;
 
 /// Small pieces are gathered to this; larger ones pass by the buffer.
 const BUFFER: usize = 1 << 16;
@@ -19,6 +20,10 @@ pub struct Sink<'a> {
     written: u64,
     total: Option<u64>,
     monitor: &'a dyn Monitor,
+    /// What comes next, in order, and is written while more is formatted.
+    waiting: Vec<Text>,
+    /// Empty ones that have their memory already.
+    spare: Vec<Text>,
 }
 
 impl<'a> Sink<'a> {
@@ -28,7 +33,8 @@ impl<'a> Sink<'a> {
         total: Option<u64>,
         monitor: &'a dyn Monitor,
     ) -> Self {
-        Self { out: BufWriter::with_capacity(BUFFER, out), what, written: 0, total, monitor }
+        let out = BufWriter::with_capacity(BUFFER, out);
+        Self { out, what, written: 0, total, monitor, waiting: Vec::new(), spare: Vec::new() }
     }
 
     /// Writes all of `bytes`.
@@ -36,11 +42,49 @@ impl<'a> Sink<'a> {
     /// # Errors
     /// [`ExportError::Io`] and [`ExportError::Cancelled`].
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        if let Some(last) = self.waiting.last_mut() {
+            // A little is no reason to stop formatting for; much is to be written, not kept.
+            if last.written().len() + bytes.len() < PIECE {
+                last.slice(bytes);
+                return Ok(());
+            }
+            self.write_waiting()?;
+        }
+        self.write_now(bytes)
+    }
+
+    fn write_now(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
         for piece in bytes.chunks(PIECE) {
             self.monitor.check()?;
             self.out.write_all(piece).map_err(|source| self.failed(source))?;
             self.written += piece.len() as u64;
             self.monitor.advance(Phase::Write, self.written, self.total);
+        }
+        Ok(())
+    }
+
+    /// Texts to be filled, for [`Sink::wait`].
+    pub(crate) fn blank(&mut self, count: usize) -> Vec<Text> {
+        let kept = self.spare.len().saturating_sub(count);
+        let mut texts = self.spare.split_off(kept);
+        texts.resize_with(count, Text::default);
+        texts
+    }
+
+    /// Writes these after all else, when [`Sink::write_waiting`] is called or more is written.
+    pub(crate) fn wait(&mut self, texts: Vec<Text>) {
+        self.waiting.extend(texts);
+    }
+
+    /// Writes what waits.
+    ///
+    /// # Errors
+    /// As [`Sink::write`].
+    pub(crate) fn write_waiting(&mut self) -> Result<(), ExportError> {
+        for mut text in std::mem::take(&mut self.waiting) {
+            self.write_now(text.written())?;
+            text.clear();
+            self.spare.push(text);
         }
         Ok(())
     }
@@ -60,11 +104,12 @@ impl<'a> Sink<'a> {
 
     /// Bytes written so far.
     pub fn written(&self) -> u64 {
-        self.written
+        self.written + self.waiting.iter().map(|text| text.written().len() as u64).sum::<u64>()
     }
 
     /// Hands the rest to the system; dropping a sink instead would swallow its last error.
     pub(super) fn finish(mut self) -> Result<u64, ExportError> {
+        self.write_waiting()?;
         self.out.flush().map_err(|source| self.failed(source))?;
         Ok(self.written)
     }

@@ -13,7 +13,7 @@ use crate::{ExportError, Sink};
 pub use super::decimal::Digits;
 
 /// Records per piece of parallel work: a hundred kilobytes of text, a fraction of a millisecond.
-const CHUNK: usize = 4096;
+const CHUNK: usize = 2048;
 /// Chunks between two meetings of all threads: enough that a thread that other programs hold up does
 /// not hold up the rest.
 const CHUNKS_PER_THREAD: usize = 8;
@@ -35,7 +35,8 @@ pub fn bytes(count: usize) -> u64 {
 }
 
 /// Writes `count` records: `format` appends those of a range to the text, for one range after another
-/// on any thread. Formatting goes on while earlier chunks are being written.
+/// on any thread. Formatting goes on while earlier chunks are being written: the last ones wait in `out` until more
+/// comes, of these records or of others.
 ///
 /// ```
 /// use linden_pipeline::Quiet;
@@ -68,25 +69,19 @@ pub fn write(
     format: impl Fn(&mut Text, Range<usize>) + Sync,
 ) -> Result<(), ExportError> {
     let batch = batch(count);
-    let mut writing: Vec<Text> = (0..batch).map(|_| Text::default()).collect();
-    let mut formatting: Vec<Text> = (0..batch).map(|_| Text::default()).collect();
-    let fill = |texts: &mut [Text], first: usize| {
-        texts.par_iter_mut().enumerate().for_each(|(i, text)| {
-            let from = (first + i * CHUNK).min(count);
-            text.clear();
-            format(text, from..(from + CHUNK).min(count));
-        });
-    };
     // The scope enters the pool once, not once a batch.
     rayon::scope(|_| {
-        fill(&mut formatting, 0);
         for first in (0..count).step_by(batch * CHUNK) {
-            std::mem::swap(&mut writing, &mut formatting);
-            let (written, ()) = rayon::join(
-                || writing.iter().try_for_each(|text| out.write(text.written())),
-                || fill(&mut formatting, first + batch * CHUNK),
-            );
+            let mut texts = out.blank(batch.min((count - first).div_ceil(CHUNK)));
+            let fill = |texts: &mut [Text]| {
+                texts.par_iter_mut().enumerate().for_each(|(i, text)| {
+                    let from = first + i * CHUNK;
+                    format(text, from..(from + CHUNK).min(count));
+                });
+            };
+            let (written, ()) = rayon::join(|| out.write_waiting(), || fill(&mut texts));
             written?;
+            out.wait(texts);
         }
         Ok(())
     })
@@ -107,7 +102,7 @@ pub struct Text {
 }
 
 impl Text {
-    fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.len = 0;
     }
 
@@ -282,6 +277,29 @@ mod tests {
                 assert!(output.bytes() == serial.written(), "{count} lines on {threads} threads");
             }
         }
+    }
+
+    #[test]
+    fn what_is_written_between_records_is_between_them() {
+        let numbers = |text: &mut Text, range: Range<usize>| range.for_each(|i| text.integer(i as u32));
+        let long = vec![b'x'; 1 << 21];
+        let output = Output::default();
+        let mut bundle = Bundle::stream("test", output.clone());
+        bundle
+            .write_main(None, &linden_pipeline::Quiet, |out| {
+                for piece in [&b"a"[..], &long, b"b"] {
+                    write(out, 3, numbers)?;
+                    out.write(piece)?;
+                }
+                write(out, 0, numbers)?;
+                write(out, CHUNK + 1, |text, range| range.for_each(|_| text.byte(b'.')))?;
+                assert_eq!(out.written(), (7 + long.len() + 4 + CHUNK + 1) as u64);
+                write(out, 3, numbers)
+            })
+            .unwrap();
+        let expected =
+            ["012a012", std::str::from_utf8(&long).unwrap(), "012b", &".".repeat(CHUNK + 1), "012"];
+        assert!(output.bytes() == expected.concat().as_bytes());
     }
 
     #[test]
