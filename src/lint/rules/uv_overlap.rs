@@ -72,14 +72,12 @@ pub(crate) fn overlap(geometry: &Geometry, uvs: &[Vec2], texels: usize) -> (usiz
     (counts.iter().filter(|&&count| count > 1).count(), counts.iter().filter(|&&count| count > 0).count())
 }
 
-/// Whether a point is inside of a triangle that runs counter-clockwise; of points on an edge those on its left and
-/// lower edges.
-pub(crate) fn is_inside([a, b, c]: [glam::DVec2; 3], point: glam::DVec2) -> bool {
-    [(a, b), (b, c), (c, a)].into_iter().all(|(from, to)| {
-        let side = (to - from).perp_dot(point - from);
-        let along = to - from;
-        side > 0.0 || (side == 0.0 && (along.y < 0.0 || (along.y == 0.0 && along.x > 0.0)))
-    })
+/// Whether a point lies to the left of an edge; of points on it, whether the triangle to its left has them, which has
+/// those on its left and lower edges.
+fn is_left((from, to): (glam::DVec2, glam::DVec2), point: glam::DVec2) -> bool {
+    let along = to - from;
+    let side = along.perp_dot(point - from);
+    side > 0.0 || (side == 0.0 && (along.y < 0.0 || (along.y == 0.0 && along.x > 0.0)))
 }
 
 fn cover([a, b, c]: [glam::DVec2; 3], texels: usize, mut cover: impl FnMut(usize)) {
@@ -87,18 +85,34 @@ fn cover([a, b, c]: [glam::DVec2; 3], texels: usize, mut cover: impl FnMut(usize
     if area == 0.0 {
         return;
     }
-    let corners = if area > 0.0 { [a, b, c] } else { [a, c, b] };
+    let edges = if area > 0.0 { [(a, b), (b, c), (c, a)] } else { [(a, c), (c, b), (b, a)] };
     let range = |low: f64, high: f64| {
         let first = (low - 0.5).ceil().clamp(0.0, texels as f64) as usize;
         let end = ((high - 0.5).floor() + 1.0).clamp(0.0, texels as f64) as usize;
         first..end
     };
+    let columns = range(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x));
     for y in range(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y)) {
-        for x in range(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)) {
-            if is_inside(corners, glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5)) {
-                cover(y * texels + x);
+        let middle = |x: usize| glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        // Along a row each edge is passed once at most, rounded or not: halving finds where.
+        let (mut first, mut end) = (columns.start, columns.end);
+        for edge in edges {
+            let passed = |from: usize, to: usize, is_before: bool| {
+                let (mut low, mut high) = (from, to);
+                while low < high {
+                    let x = usize::midpoint(low, high);
+                    if is_left(edge, middle(x)) == is_before { low = x + 1 } else { high = x }
+                }
+                low
+            };
+            // What is inside lies to the right of an edge that runs down, and to the left of one that runs up.
+            if edge.1.y < edge.0.y {
+                first = passed(first, end, false);
+            } else {
+                end = passed(first, end, true);
             }
         }
+        (first..end).for_each(|x| cover(y * texels + x));
     }
 }
 
