@@ -175,8 +175,14 @@ impl Written<'_> {
         turned: &[(String, String)],
         progress: &Progress,
     ) -> anyhow::Result<()> {
-        // What one kind leaves alone another may listen to.
-        let mut idle = forest.kinds.iter().map(|kind| super::idle(&kind.recipe.preset, turned));
+        // What one kind leaves alone another may listen to, each with the budget that it gets here.
+        let mut idle = forest.kinds.iter().map(|kind| {
+            let mut preset = kind.recipe.preset.clone();
+            if preset.dressing.detail.finest() == 0 {
+                preset.dressing.detail.triangles = forest.layout.triangles;
+            }
+            super::idle(&preset, turned)
+        });
         let first = idle.next().unwrap_or_default();
         let idle =
             idle.fold(first, |all, of_one| all.into_iter().filter(|note| of_one.contains(note)).collect());
