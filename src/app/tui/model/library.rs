@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf, absolute};
+use std::sync::OnceLock;
 
 use linden::forest::{Forest, builtin_forests};
 use linden::preset::{Heading, Preset, builtins};
@@ -97,30 +98,11 @@ impl Library {
         self.passing = self.passing.take().filter(|passing| !passing.ends);
     }
 
-    /// What is built in.
+    /// What is built in: read once, however many workbenches there are.
     pub fn builtin() -> Self {
-        // The tests read every built-in document.
-        let entries = builtins().iter().filter_map(|builtin| {
-            let Heading { name, group, summary, source, tags, .. } = builtin.heading().ok()?;
-            let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
-            Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None, is_gone: false })
-        });
-        let forests = builtin_forests().iter().filter_map(|builtin| {
-            let document = builtin.load().ok()?;
-            Some(PresetEntry {
-                place: TreePlace::Builtin(builtin.id),
-                id: builtin.id.to_owned(),
-                name: document.name,
-                group: FORESTS.to_owned(),
-                summary: document.summary,
-                source: String::new(),
-                tags: Vec::new(),
-                fault: None,
-                is_gone: false,
-            })
-        });
+        static ENTRIES: OnceLock<Vec<PresetEntry>> = OnceLock::new();
         let mut library = Self {
-            entries: entries.chain(forests).collect(),
+            entries: ENTRIES.get_or_init(builtin_entries).clone(),
             filter: String::new(),
             rows: Vec::new(),
             selected: 0,
@@ -572,6 +554,31 @@ impl Library {
         }
         self.at_group.is_none()
     }
+}
+
+/// Presets and forests that are built in.
+fn builtin_entries() -> Vec<PresetEntry> {
+    // The tests read every built-in document.
+    let entries = builtins().iter().filter_map(|builtin| {
+        let Heading { name, group, summary, source, tags, .. } = builtin.heading().ok()?;
+        let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
+        Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None, is_gone: false })
+    });
+    let forests = builtin_forests().iter().filter_map(|builtin| {
+        let document = builtin.load().ok()?;
+        Some(PresetEntry {
+            place: TreePlace::Builtin(builtin.id),
+            id: builtin.id.to_owned(),
+            name: document.name,
+            group: FORESTS.to_owned(),
+            summary: document.summary,
+            source: String::new(),
+            tags: Vec::new(),
+            fault: None,
+            is_gone: false,
+        })
+    });
+    entries.chain(forests).collect()
 }
 
 /// Whether two places are the same, however their paths are written.
