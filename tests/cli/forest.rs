@@ -27,7 +27,9 @@ fn trees(document: &Value) -> Vec<(u64, [f64; 3])> {
         .collect()
 }
 
-const SMALL: [&str; 6] = ["--triangles", "3000", "--set", "bark_size=32", "--set", "leaf_size=32"];
+/// Few triangles, and pictures in which nobody looks for anything.
+const SMALL: [&str; 8] =
+    ["--triangles", "3000", "--set", "bark_size=32", "--set", "leaf_size=32", "--set", "card_size=128"];
 
 /// The file of a small forest, on one thread; on two it is the same.
 fn exported(folder: &Folder, line: &[&str]) -> Vec<u8> {
@@ -150,9 +152,9 @@ fn the_mixed_wood_as_it_is_stays_a_file_that_opens() {
 fn levels_planes_and_wind_have_the_flags_of_exports() {
     let folder = Folder::new();
     let forest = ["forest", "dressed-simple", "--area", "10", "--trees", "2"];
-    let flags = ["--lods", "2", "--lod-ratio", "0.3", "--billboard", "--wind"];
+    let flags = ["--lods", "2", "--lod-ratio", "0.3", "--billboard", "--wind", "--set", "billboard_size=64"];
     let by_flags = exported(&folder, &[&forest[..], &flags].concat());
-    let set = ["lods=2", "lod_ratio=0.3", "billboard=2", "wind=attributes"];
+    let set = ["lods=2", "lod_ratio=0.3", "billboard=2", "wind=attributes", "billboard_size=64"];
     let knobs: Vec<&str> = set.iter().flat_map(|pair| ["--set", pair]).collect();
     assert!(by_flags == exported(&folder, &[&forest[..], &knobs].concat()));
     assert!(by_flags != exported(&folder, &forest), "they change something");
@@ -233,9 +235,11 @@ fn crowns(trees: &[Vec<([f64; 3], bool)>]) -> [f64; 3] {
 fn trees_that_compete_for_light_have_longer_boles_and_crowns_that_keep_apart() {
     let folder = Folder::new();
     let line = ["forest", "oak", "--area", "15", "--spacing", "2.5", "--trees", "16", "--set", "years=20"];
+    // A table of wood is the same without leaves, which take as long as the growth.
     let rest = ["--set", "epicormic=0", "--size-spread", "0", "--distinct", "16", "--seed", "2"];
+    let bare = ["--set", "leaf_form=none", "--set", "bark_size=16", "--triangles", "0"];
     let grown = |name: &str, how: &[&str]| {
-        let said = folder.run(&[&line[..], &rest, how, &["-o", name]].concat());
+        let said = folder.run(&[&line[..], &rest, &bare, how, &["-o", name]].concat());
         assert_eq!(said.code, Some(0), "{}", said.err);
         stems(&folder.read(name))
     };

@@ -17,6 +17,9 @@ fn rules(report: &Value) -> Vec<String> {
 
 const SMALL: [&str; 4] = ["--set", "points=60", "--set", "bark_size=64"];
 
+/// For plants with leaves, where it does not matter what pictures show.
+const PICTURES: [&str; 6] = ["--set", "bark_size=64", "--set", "leaf_size=32", "--set", "card_size=128"];
+
 #[test]
 fn all_formats_of_a_tree_have_the_same_counts() {
     let folder = Folder::new();
@@ -76,21 +79,18 @@ fn binary_usd_has_the_report_of_text() {
         ("dressed-simple", &["--wind=sway", "--scene", "--set", "points=60"], &[]),
         ("dressed-simple", &["--wind=bones", "--set", "points=60"], &["nanite=skeletal"]),
     ] {
-        let export = |args: &[&str]| {
-            let small = ["export", source, "--triangles", "3000", "--set", "bark_size=64"];
-            let said = folder.run(&[&small, args].concat());
+        let export = |more: &[&str]| {
+            let small = ["export", source, "--triangles", "3000"];
+            let said = folder.run(&[&small[..], &PICTURES, args, more].concat());
             assert_eq!(said.code, Some(0), "{source} {args:?}: {}", said.err);
         };
-        for format in ["usda", "usdc"] {
-            let options: Vec<String> = options.iter().map(|option| format!("{format}.{option}")).collect();
-            let options = options.iter().flat_map(|option| ["--set", option]).collect::<Vec<_>>();
-            let file = format!("a.{format}");
-            export(&[&["-o", &file], args, &options].concat());
-        }
-        for layer in ["text", "binary"] {
-            let (file, layer) = (format!("{layer}.usdz"), format!("usdz.layer={layer}"));
-            export(&[&["-o", &file, "--set", &layer], args].concat());
-        }
+        let of_formats = ["usda", "usdc"].iter().flat_map(|format| {
+            options.iter().flat_map(move |option| ["--set".to_owned(), format!("{format}.{option}")])
+        });
+        let of_formats = of_formats.collect::<Vec<_>>();
+        let of_formats = of_formats.iter().map(String::as_str).collect::<Vec<_>>();
+        export(&[&["-o", "a.usda", "-o", "a.usdc", "-o", "text.usdz"][..], &of_formats].concat());
+        export(&["-o", "binary.usdz", "--set", "usdz.layer=binary"]);
         // A layer whose model is in its payload is looked at with it.
         for (text, binary) in [("a.usda", "a.usdc"), ("text.usdz", "binary.usdz")] {
             let report = |file: &str| {
@@ -255,7 +255,7 @@ fn the_second_set_of_texture_coordinates_shares_no_texel() {
         ("abop-a", &[]),
     ] {
         let outputs = ["-o", "a.glb", "-o", "a.usda"];
-        let said = folder.run(&[&["export", source], args, &outputs, &on].concat());
+        let said = folder.run(&[&["export", source], args, &PICTURES, &outputs, &on].concat());
         assert!(said.code == Some(0) && !said.err.contains("lightmap_uv"), "{source} {args:?}: {}", said.err);
         for file in ["a.glb", "a.usda"] {
             let (_, report) = lint(&folder, &["--set", "lightmap-overlap.share=0", file]);
@@ -269,7 +269,7 @@ fn the_second_set_of_texture_coordinates_shares_no_texel() {
         }
     }
     // The rule sees them: bark that repeats is not for baked light.
-    folder.run(&["export", "oak", "-o", "a.glb", "--triangles", "9000"]).done();
+    folder.run(&[&["export", "oak", "-o", "a.glb", "--triangles", "9000"][..], &PICTURES].concat()).done();
     let (_, report) = lint(&folder, &["--set", "uv-overlap=warn", "a.glb"]);
     assert!(rules(&report).contains(&"uv-overlap".to_owned()), "{report}");
 }

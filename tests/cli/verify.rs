@@ -6,7 +6,19 @@ use serde_json::Value;
 
 use crate::program::{Folder, Said};
 
-const SMALL: [&str; 6] = ["--set", "points=60", "--set", "bark_size=64", "--seed", "7"];
+/// Pictures are as small as they can be: that they are drawn again to the byte is seen of any size.
+const SMALL: [&str; 10] = [
+    "--set",
+    "points=60",
+    "--set",
+    "bark_size=64",
+    "--set",
+    "leaf_size=32",
+    "--set",
+    "card_size=128",
+    "--seed",
+    "7",
+];
 
 fn export(folder: &Folder, source: &str, args: &[&str]) {
     // Instances and the like say what they leave out.
@@ -121,7 +133,11 @@ fn levels_and_seasons_in_files_of_their_own() {
     let folder = Folder::new();
     let args = ["--lods", "2", "--seasons", "summer,autumn", "-o", "a.ply", "-o", "a.obj", "-o", "a.glb"];
     export(&folder, "dressed-simple", &args);
-    export(&folder, "dressed-simple", &["--lods", "3", "--billboard", "-o", "b.obj"]);
+    export(
+        &folder,
+        "dressed-simple",
+        &["--lods", "3", "--billboard", "--set", "billboard_size=64", "-o", "b.obj"],
+    );
     let (said, report) = verify(&folder, &["."]);
     assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
     let rows = report["files"].as_array().unwrap();
