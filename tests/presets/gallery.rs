@@ -4,10 +4,8 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use linden::Quiet;
-use linden::grow::grow;
-use linden::preset::builtins;
 use linden::surface::survey;
-use linden_tests::presets::recipe;
+use linden_tests::presets::{Plant, plants};
 
 const HEAD: &str = "# The presets\n\n\
     Pictures: `presets/pictures/draw`. Words and numbers: \
@@ -19,16 +17,14 @@ fn the_gallery_shows_each_preset_as_it_is() {
     let presets = Path::new(env!("CARGO_MANIFEST_DIR")).join("../presets");
     let mut page = HEAD.to_owned();
     let mut group = "";
-    let loaded: Vec<_> = builtins().iter().map(|builtin| (builtin, builtin.load().unwrap())).collect();
-    for (builtin, preset) in &loaded {
+    for Plant { recipe, grown, .. } in plants() {
+        let preset = &recipe.preset;
         if preset.group != group {
             group = &preset.group;
             write!(page, "\n## {group}\n\n| | |\n|---|---|\n").unwrap();
         }
-        let recipe = recipe(builtin);
-        let grown = grow(&recipe, &Quiet).unwrap();
         let skeleton = &grown.skeleton;
-        let surface = survey(skeleton, &recipe.preset.dressing.tubes, &mut |_| (), &Quiet).unwrap();
+        let surface = survey(skeleton, &preset.dressing.tubes, &mut |_| (), &Quiet).unwrap();
         let measures = skeleton.measures();
         let about = if preset.about.is_empty() { String::new() } else { format!("<br>{}", preset.about) };
         writeln!(

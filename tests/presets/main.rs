@@ -14,7 +14,7 @@ use linden::Quiet;
 use linden::grow::{Grown, grow};
 use linden::preset::{Heading, Preset, builtins};
 use linden::surface::{Topology, sweep, topology};
-use linden_tests::presets::recipe;
+use linden_tests::presets::{Plant, plants, recipe};
 
 #[test]
 fn each_document_says_what_and_whence() {
@@ -68,14 +68,12 @@ fn a_list_shows_what_the_document_says() {
 
 #[test]
 fn each_surface_is_closed_unfolded_and_finite() {
-    for builtin in builtins() {
-        let recipe = recipe(builtin);
-        let grown = grow(&recipe, &Quiet).unwrap();
+    for Plant { id, recipe, grown } in plants() {
         let mesh = sweep(&grown.skeleton, &recipe.preset.dressing.tubes, &Quiet).unwrap();
         let found = topology(&mesh, &Quiet).unwrap();
-        assert_eq!(found, Topology::default(), "{}", builtin.id);
-        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);
-        assert_eq!(grown.colonized.map_or(0, |colonized| colonized.unreached), 0, "{}", builtin.id);
+        assert_eq!(found, Topology::default(), "{id}");
+        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{id}");
+        assert_eq!(grown.colonized.as_ref().map_or(0, |colonized| colonized.unreached), 0, "{id}");
     }
 }
 
@@ -83,20 +81,18 @@ fn each_surface_is_closed_unfolded_and_finite() {
 #[test]
 fn slenderness_is_height_by_diameter_at_the_foot() {
     let mut by_height = 0;
-    for builtin in builtins() {
-        let mut recipe = recipe(builtin);
+    for Plant { id, recipe, grown } in plants() {
         if recipe.preset.idle("slenderness").is_some() {
             continue;
         }
-        for (slenderness, refine) in [(None, None), (Some("75"), Some("subdivide"))] {
-            if let Some(value) = slenderness {
-                recipe.preset.set("slenderness", value).unwrap();
-            }
-            if let Some(value) = refine {
-                recipe.preset.set("refine", value).unwrap();
-            }
-            let Ok(grown) = grow(&recipe, &Quiet) else { continue };
-            let skeleton = &grown.skeleton;
+        let mut slender = recipe.clone();
+        slender.preset.set("slenderness", "75").unwrap();
+        slender.preset.set("refine", "subdivide").unwrap();
+        let slender = grow(&slender, &Quiet).map(|grown| (grown, 75.0));
+        let as_it_is = (&grown.skeleton, recipe.preset.wood.slenderness);
+        let all =
+            [as_it_is].into_iter().chain(slender.iter().map(|(grown, wanted)| (&grown.skeleton, *wanted)));
+        for (skeleton, wanted) in all {
             let heights = || skeleton.positions.iter().map(|p| p.y);
             let height = heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min);
             let width = |axis: fn(&linden::Vec3) -> f32| {
@@ -110,8 +106,7 @@ fn slenderness_is_height_by_diameter_at_the_foot() {
             let feet = (0..skeleton.parents.len()).filter(|&i| skeleton.parents[i] == linden::NO_PARENT);
             let foot = feet.map(|i| skeleton.radii[i]).fold(0.0, f32::max);
             let found = f64::from(height / (2.0 * foot));
-            let wanted = recipe.preset.wood.slenderness;
-            assert!((found / wanted - 1.0).abs() < 0.01, "{}: {found}, not {wanted}", builtin.id);
+            assert!((found / wanted - 1.0).abs() < 0.01, "{id}: {found}, not {wanted}");
             by_height += 1;
         }
     }
@@ -125,11 +120,10 @@ fn each_tree_is_the_one_it_was() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut trees = String::from("# preset, nodes, axes, hash of the skeleton\n");
     let mut sizes = String::from("# preset, height in metres, leaves: what 'linden list' says\n");
-    for builtin in builtins() {
-        let Grown { skeleton, organs, .. } = grow(&recipe(builtin), &Quiet).unwrap();
-        writeln!(sizes, "{} {:.2} {}", builtin.id, skeleton.measures().height_m, organs.len()).unwrap();
+    for Plant { id, grown: Grown { skeleton, organs, .. }, .. } in plants() {
+        writeln!(sizes, "{id} {:.2} {}", skeleton.measures().height_m, organs.len()).unwrap();
         let (nodes, axes) = (skeleton.positions.len(), skeleton.axes.len());
-        writeln!(trees, "{} {nodes} {axes} {:032x}", builtin.id, skeleton.hash()).unwrap();
+        writeln!(trees, "{id} {nodes} {axes} {:032x}", skeleton.hash()).unwrap();
     }
     as_before(&folder.join("presets/trees.txt"), &trees);
     as_before(&folder.join("../presets/sizes.txt"), &sizes);
