@@ -13,7 +13,8 @@ use crate::outside::{exported, run};
 fn ages_are_variants() {
     let dir = exported("clients-ages");
     let mut preset = builtin("ash").unwrap().load().unwrap();
-    for (knob, to) in [("bark_size", "64"), ("leaf_size", "64"), ("triangles", "4000"), ("lods", "2")] {
+    let pictures = [("bark_size", "64"), ("leaf_size", "64"), ("card_size", "128")];
+    for (knob, to) in pictures.into_iter().chain([("triangles", "4000"), ("lods", "2")]) {
         preset.set(knob, to).unwrap();
     }
     let ages = preset.ages_of("young=0.3,grown=0.6").unwrap();

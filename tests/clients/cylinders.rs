@@ -6,12 +6,10 @@ use std::fs;
 use std::rc::Rc;
 use std::sync::Arc;
 
-use linden::grow::grow;
-use linden::preset::builtins;
 use linden::skeleton::Forks;
-use linden::{DVec3, NO_PARENT, Quiet, Skeleton};
+use linden::{DVec3, NO_PARENT, Skeleton};
 use linden_tests::fixtures::{RECIPE, export, scene};
-use linden_tests::presets::recipe;
+use linden_tests::presets::{Plant, plants};
 
 struct Row {
     columns: Rc<HashMap<String, usize>>,
@@ -82,17 +80,16 @@ fn frusta_m3(skeleton: &Skeleton) -> f64 {
 #[test]
 fn every_preset_is_its_table_of_cylinders() {
     let mut several = Vec::new();
-    for builtin in builtins() {
-        let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
-        let text = table(Arc::clone(&skeleton), &[]);
+    for &Plant { id, ref grown, .. } in plants() {
+        let skeleton = &grown.skeleton;
+        let text = table(Arc::clone(skeleton), &[]);
         let (comments, rows) = read(&text);
-        let id = builtin.id;
         assert!(comments.iter().any(|line| line.strip_prefix("recipe: ") == Some(RECIPE)));
         assert_eq!(rows.len(), skeleton.segments(), "{id}");
         // Several trees are as many tables, one after the other.
         let trees: Vec<Skeleton> = match skeleton.tree_index() {
             Some(index) => skeleton.split(&index),
-            None => vec![Skeleton::clone(&skeleton)],
+            None => vec![Skeleton::clone(skeleton)],
         };
         if trees.len() > 1 {
             several.push((id, trees.len()));

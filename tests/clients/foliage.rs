@@ -59,7 +59,10 @@ fn every_client_takes_bark_of_ones_own() {
     for (stem, normal) in [("lightness", None), ("normal", Some(stripes(32, 64)))] {
         let preset = builtin("dressed-simple").unwrap().load().unwrap();
         let mut recipe = Recipe::new(preset);
-        recipe.preset.set("triangles", "6000").unwrap();
+        // The bark is the user's, as large as that is.
+        for (knob, value) in [("triangles", "6000"), ("leaf_size", "64"), ("card_size", "128")] {
+            recipe.preset.set(knob, value).unwrap();
+        }
         let files = [("bark_picture", Some(stripes(16, 32))), ("bark_normal", normal)];
         for (key, png) in files.into_iter().filter_map(|(key, png)| Some((key, png?))) {
             let file = format!("{key}.png");

@@ -20,8 +20,9 @@ const ON: (&str, &str) = ("instances", "true");
 /// A small tree with a few hundred leaves of several variants, on which berries hang.
 pub fn dressed(settings: &[(&str, &str)]) -> (Recipe, Grown, Scene) {
     let mut preset = builtin("dressed-simple").unwrap().load().unwrap();
-    let small = [("points", "60"), ("bark_size", "64"), ("leaf_size", "128"), ("leaves_per_m", "8")];
-    for (knob, value) in small.into_iter().chain(settings.iter().copied()) {
+    let small = [("points", "60"), ("leaves_per_m", "8")];
+    let pictures = [("bark_size", "64"), ("leaf_size", "128"), ("card_size", "128")];
+    for (knob, value) in small.into_iter().chain(pictures).chain(settings.iter().copied()) {
         preset.set(knob, value).unwrap();
     }
     let recipe = Recipe::new(preset);

@@ -6,12 +6,10 @@ use std::fs;
 
 use linden::canopy::canopy;
 use linden::foliage::Organs;
-use linden::grow::grow;
-use linden::preset::builtins;
 use linden::recipe::Recipe;
 use linden::{NO_PARENT, Quiet, Skeleton, Vec3};
 use linden_tests::fixtures::{RECIPE, export, scene};
-use linden_tests::presets::recipe;
+use linden_tests::presets::{Plant, plants};
 
 #[derive(Debug)]
 struct Internode {
@@ -114,13 +112,12 @@ fn is_foot(skeleton: &Skeleton, node: u32) -> bool {
 fn every_preset_is_its_graph() {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("tree.mtg");
-    for builtin in builtins() {
-        let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
+    for &Plant { id, ref grown, .. } in plants() {
+        let skeleton = &grown.skeleton;
         let scene = linden::scene::Scene { skeleton: skeleton.clone(), ..scene(3, 5) };
         export(&scene, "mtg", &[], &target).unwrap();
         let text = fs::read_to_string(&target).unwrap();
         fs::remove_file(&target).unwrap();
-        let id = builtin.id;
         assert!(text.lines().any(|line| line.strip_prefix("# recipe: ") == Some(RECIPE)), "{id}");
         let (axes, internodes, organs) = read(&text);
         assert!(organs.is_empty(), "{id}");
@@ -155,7 +152,7 @@ fn every_preset_is_its_graph() {
                     let continues = axis_of[parent as usize] == axis_of[node];
                     assert_eq!(joined == '<', continues, "{id}");
                 }
-                None => assert!(is_foot(&skeleton, parent), "{id}"),
+                None => assert!(is_foot(skeleton, parent), "{id}"),
             }
         }
         assert_eq!(seen.len(), axes.len(), "{id}");

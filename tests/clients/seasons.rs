@@ -18,7 +18,8 @@ use crate::outside::{exported, run};
 
 fn tree(knobs: &[(&str, &str)], seasons: &str) -> (Recipe, Year) {
     let mut recipe = builtin("dressed-simple").unwrap().recipe(&Quiet).unwrap();
-    for (knob, value) in [("points", "120"), ("bark_size", "32"), ("leaf_size", "64")].iter().chain(knobs) {
+    let small = [("points", "120"), ("bark_size", "32"), ("leaf_size", "64"), ("card_size", "128")];
+    for (knob, value) in small.iter().chain(knobs) {
         recipe.preset.set(knob, value).unwrap();
     }
     let grown = grow(&recipe, &Quiet).unwrap();

@@ -19,7 +19,11 @@ fn watertight_wood_is_one_closed_manifold() {
         // Fewer branches meet in the same ways.
         match id {
             "simple" => recipe.preset.set("points", "120").unwrap(),
-            "grove" => recipe.preset.set("points", "160").unwrap(),
+            "grove" => {
+                recipe.preset.set("points", "160").unwrap();
+                // In larger cells, too.
+                recipe.preset.set("junction_detail", "16").unwrap();
+            }
             _ => recipe.preset.set("derivations", "6").unwrap(),
         }
         for &(knob, value) in [("junction", "watertight"), ("bark_size", "16")].iter().chain(features) {
