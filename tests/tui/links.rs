@@ -69,14 +69,23 @@ fn answered(workbench: &Workbench, link: Link, pane: &str, key: &str) -> Answere
     workbench.settle();
     // Where in the stream the cursor moves.
     let bytes = workbench.bytes();
-    let mut parser = vt100::Parser::new(40.try_into().unwrap(), 120.try_into().unwrap(), 0);
-    parser.process(&bytes[..sent]);
-    let start = cursor(parser.screen(), pane);
-    let answer = (sent..bytes.len()).find(|at| {
-        parser.process(&bytes[*at..=*at]);
-        cursor(parser.screen(), pane).is_some_and(|on| Some(on) != start)
-    });
-    let answer = answer.expect("the cursor moves");
+    let seen = |end: usize| {
+        let mut parser = vt100::Parser::new(40.try_into().unwrap(), 120.try_into().unwrap(), 0);
+        parser.process(&bytes[..end]);
+        parser
+    };
+    let start = cursor(seen(sent).screen(), pane);
+    // The end of the first of some pieces after which it is elsewhere: looking for it takes longer than reading a piece.
+    let moved = |from: usize, length: usize| {
+        let mut parser = seen(from);
+        let mut ends = (from..bytes.len()).step_by(length).map(|at| (at, bytes.len().min(at + length)));
+        ends.find(|&(at, end)| {
+            parser.process(&bytes[at..end]);
+            cursor(parser.screen(), pane).is_some_and(|on| Some(on) != start)
+        })
+    };
+    let piece = moved(sent, 64).expect("the cursor moves");
+    let (answer, _) = moved(piece.0, 1).expect("it moves in that piece");
     let (came, shown) = workbench.times_of(answer);
     Answered {
         program: came.saturating_duration_since(pressed + link.round_trip / 2),
