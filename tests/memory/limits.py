@@ -96,11 +96,13 @@ def cases(linden, out):
     for preset in listed:
         if preset["generator"] not in ("lsystem", "colonization"):
             continue
-        shown = json.loads(subprocess.run([linden, "show", preset["id"], "--json"], capture_output=True, check=True).stdout)
-        knobs = {own["name"]: own["value"] for own in shown["knobs"]}
-        own = LSYSTEM if preset["generator"] == "lsystem" else COLONIZATION
+        own, derivations = COLONIZATION, 0
+        if preset["generator"] == "lsystem":
+            shown = subprocess.run([linden, "show", preset["id"], "--json"], capture_output=True, check=True).stdout
+            knobs = {knob["name"]: knob["value"] for knob in json.loads(shown)["knobs"]}
+            own, derivations = LSYSTEM, int(knobs["derivations"])
         for sets in own + ANY:
-            more = lambda found: str(int(knobs["derivations"]) + int(found[1]))
+            more = lambda found: str(derivations + int(found[1]))
             sets = [re.sub(r"\{\+(\d)\}", more, one) for one in sets]
             for name, arguments in commands(preset["id"], sets, out):
                 yield name, preset["id"], " ".join(sets), arguments
