@@ -1,6 +1,6 @@
 //! Estimates beside real files.
 
-use std::sync::LazyLock;
+use std::sync::{Arc, LazyLock};
 
 use linden_pipeline::Quiet;
 use linden_pipeline::dress::dress;
@@ -9,7 +9,7 @@ use linden_pipeline::grow::grow;
 use linden_pipeline::mesh::Mesh;
 use linden_pipeline::preset::builtins;
 use linden_pipeline::stage::Stage;
-use linden_pipeline::texture::BarkStyle;
+use linden_pipeline::texture::{BarkStyle, DrawnPictures};
 use rayon::prelude::*;
 
 use super::*;
@@ -171,6 +171,8 @@ fn budgets_levels_and_wind_are_estimated_too() {
         &[("wind", "bones"), ("lods", "2"), ("triangles", "20000")],
     ];
     let plants = ["oak", "dressed-fir", "box"];
+    // Bark and leaves of a plant are those of all its cases.
+    let drawn = Arc::new(DrawnPictures::default());
     // Each case has every second file with one of the plants, the next case the others.
     let all = (0..plants.len()).flat_map(|plant| (0..cases.len()).map(move |case| (plant, case)));
     let each = all.collect::<Vec<_>>().into_par_iter().map(|(plant, case)| {
@@ -180,7 +182,7 @@ fn budgets_levels_and_wind_are_estimated_too() {
         for (knob, value) in knobs {
             preset.set(knob, value).unwrap();
         }
-        all_off(&format!("{id} {knobs:?}"), turn, &Recipe::new(preset))
+        all_off(&format!("{id} {knobs:?}"), turn, &Recipe::new(preset).drawn_into(&drawn))
     });
     let all = each.reduce(Compared::default, Compared::and);
     assert_eq!(all.faults, [""; 0]);
