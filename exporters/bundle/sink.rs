@@ -44,7 +44,7 @@ impl<'a> Sink<'a> {
     pub fn write(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
         if let Some(last) = self.waiting.last_mut() {
             // A little is no reason to stop formatting for; much is to be written, not kept.
-            if last.written().len() + bytes.len() < PIECE {
+            if bytes.len() < BUFFER && last.written().len() + bytes.len() < PIECE {
                 last.slice(bytes);
                 return Ok(());
             }
@@ -102,7 +102,7 @@ impl<'a> Sink<'a> {
         Ok(())
     }
 
-    /// Bytes written so far.
+    /// Bytes that it was given so far.
     pub fn written(&self) -> u64 {
         self.written + self.waiting.iter().map(|text| text.written().len() as u64).sum::<u64>()
     }

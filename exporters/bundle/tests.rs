@@ -5,6 +5,7 @@ use std::path::Path;
 use linden_pipeline::Quiet;
 
 use super::*;
+use crate::writing::records;
 
 fn staged(target: &Path, content: &str) -> Bundle {
     let mut bundle = Bundle::create(target).unwrap();
@@ -438,6 +439,14 @@ fn every_refusal_of_the_system_names_the_file_and_what_to_do() {
                 .unwrap_err()
                 .to_string();
             assert!(said.starts_with("writing standard output failed: ") && said.contains(advice), "{said}");
+            // The same of what waits until more comes, or the file ends.
+            let mut bundle = Bundle::stream("standard output", Fills { room, kind });
+            let lines = |out: &mut Sink<'_>| {
+                records::write(out, 100_000, |text, range| {
+                    range.for_each(|_| text.bytes(b"0123456789abcdef"))
+                })
+            };
+            assert_eq!(bundle.write_main(None, &Quiet, lines).unwrap_err().to_string(), said);
         }
     }
 }

@@ -116,14 +116,18 @@ impl<'s, 'a> Layer<'s, 'a> {
         };
         let pad = "    ".repeat(*depth);
         out.write(format!("{pad}{declaration} = [").as_bytes())?;
-        let line = vec![number.to_string(); PER_LINE].join(", ");
-        records::write(out, count.div_ceil(PER_LINE), |text, range| {
-            for row in range {
-                if row > 0 {
-                    text.bytes(b",\n");
+        // Half a line is as long as records may be.
+        const PER_RECORD: usize = PER_LINE / 2;
+        let half = vec![number.to_string(); PER_RECORD].join(", ");
+        records::write(out, count.div_ceil(PER_RECORD), |text, range| {
+            for record in range {
+                match (record, record % 2) {
+                    (0, _) => {}
+                    (_, 0) => text.bytes(b",\n"),
+                    _ => text.bytes(b", "),
                 }
-                let numbers = PER_LINE.min(count - row * PER_LINE);
-                text.slice(&line.as_bytes()[..(line.len() + 2) / PER_LINE * numbers - 2]);
+                let numbers = PER_RECORD.min(count - record * PER_RECORD);
+                text.slice(&half.as_bytes()[..(half.len() + 2) / PER_RECORD * numbers - 2]);
             }
         })?;
         out.write(b"]\n")

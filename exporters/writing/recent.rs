@@ -5,7 +5,7 @@ use super::records::piece;
 
 /// The texts of numbers that were asked for lately, up to `N` bytes each. It changes how fast a text comes, never the text.
 ///
-/// `SLOTS` are more than a ring of a trunk and the one above it have vertices, and fit into the nearest cache.
+/// `SLOTS` fit into the nearest cache; 256 are more than a ring of a trunk and the one above it have vertices.
 pub(crate) struct Recent<const N: usize, const SLOTS: usize> {
     slots: [Slot<N>; SLOTS],
     format: fn(u32, &mut [u8; N]) -> usize,
@@ -70,8 +70,10 @@ impl RecentIntegers {
 }
 
 /// Floats by their shortest digits, as [`decimal::float`] writes them.
-pub(crate) struct RecentFloats(Recent<FLOAT_TEXT, 512>);
+pub(crate) struct RecentFloats(Recent<FLOAT_TEXT, FLOAT_SLOTS>);
 
+/// A power of two: places are the first bits of a product.
+const FLOAT_SLOTS: usize = 512;
 /// As many bytes as any float has.
 const FLOAT_TEXT: usize = 24;
 
@@ -91,7 +93,11 @@ impl RecentFloats {
     pub fn put(&mut self, x: f32, room: &mut [u8; FLOAT_ROOM]) -> usize {
         let bits = x.to_bits();
         // By Fibonacci hashing: round numbers differ in their first bits alone.
-        self.0.put_from(bits.wrapping_mul(0x9e37_79b9) >> 23, bits, piece(room, 0))
+        self.0.put_from(
+            bits.wrapping_mul(0x9e37_79b9) >> (u32::BITS - FLOAT_SLOTS.ilog2()),
+            bits,
+            piece(room, 0),
+        )
     }
 }
 

@@ -72,7 +72,7 @@ pub struct Canopy {
 }
 
 impl Canopy {
-    /// Leaves, where a card of 17 counts as 17.
+    /// Leaves, where a card of 13 counts as 13.
     pub fn leaves(&self) -> usize {
         self.leafy().map(|crop| crop.organs * crop.leaves_each as usize).sum()
     }

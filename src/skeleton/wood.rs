@@ -314,7 +314,21 @@ impl Refinement {
                  measure. 0.3 is a tree of some age, 1 and more an old olive or a bonsai. It needs nodes to \
                  bend: let subdivide give it some where segments are longer than the bends."
             ),
-            see_also(&["sway", "refine", "subdivisions"])
+            see_also(&["trunk_gnarl", "sway", "refine", "subdivisions"])
+        ),
+        field!(
+            "trunk_gnarl",
+            real(0.0, 1.0),
+            "",
+            "how much of gnarl a trunk has below its lowest limb; 0: the bole is as it grew",
+            trunk_gnarl,
+            details(
+                "What leant or broke in a young stem is overgrown: an oak's bole is straight below crooked \
+                 limbs (0.2), an olive's or an old apple's is not (1). A limb is a branch of at least 0.15 of \
+                 the trunk's thickness there; above the lowest the trunk takes on the whole gnarl within \
+                 nine radii. A trunk without limbs is all bole; of stems that part at the ground only one has one."
+            ),
+            see_also(&["gnarl", "sway", "trunk_curve"])
         ),
         field!(
             "epicormic",

@@ -507,6 +507,31 @@ fn a_forests_picture_shows_its_trees_and_carries_its_recipe_on_any_number_of_thr
 }
 
 #[test]
+fn notes_on_knobs_know_the_budget_that_large_trees_get() {
+    let folder = Folder::new();
+    let line = [
+        "forest",
+        "drawn-oak",
+        "simple",
+        "--area",
+        "12",
+        "--spacing",
+        "5",
+        "--set",
+        "points=100",
+        "-o",
+        "a.glb",
+    ];
+    let notes = |knob: &str| folder.run(&[&line[..], &SMALL, &["--set", knob]].concat()).done().err;
+    // Cards are for those that have a budget, relief for those that are whole without.
+    for knob in ["card_size=64", "bark_relief_height=1"] {
+        let said = notes(knob);
+        assert!(!said.contains("changes nothing"), "{said}");
+    }
+    assert!(notes("lod_ratio=0.3").contains("lod_ratio changes nothing: there is one level"));
+}
+
+#[test]
 fn files_of_a_forest_are_called_by_its_id() {
     let folder = Folder::new();
     let text = |id: &str| format!("{id}area = 12\n[[tree]]\npreset = \"fir\"\nset = {{ points = 60 }}\n");

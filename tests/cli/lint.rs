@@ -89,7 +89,8 @@ fn binary_usd_has_the_report_of_text() {
         });
         let of_formats = of_formats.collect::<Vec<_>>();
         let of_formats = of_formats.iter().map(String::as_str).collect::<Vec<_>>();
-        export(&[&["-o", "a.usda", "-o", "a.usdc", "-o", "text.usdz"][..], &of_formats].concat());
+        let text = ["-o", "a.usda", "-o", "a.usdc", "-o", "text.usdz", "--set", "usdz.layer=text"];
+        export(&[&text[..], &of_formats].concat());
         export(&["-o", "binary.usdz", "--set", "usdz.layer=binary"]);
         // A layer whose model is in its payload is looked at with it.
         for (text, binary) in [("a.usda", "a.usdc"), ("text.usdz", "binary.usdz")] {

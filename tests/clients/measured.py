@@ -173,7 +173,9 @@ def opaque_shares(mesh):
     alpha = np.asarray(material.baseColorTexture.convert("RGBA"))[:, :, 3]
     height, width = alpha.shape
     uv = mesh.visual.uv[mesh.faces]
-    cut = material.alphaCutoff if material.alphaCutoff is not None else 0.5
+    # The rim of a leaf, up to which it is measured. Files cut farther out, so that leaves are seen from afar.
+    rim = 0.5
+    assert 0 < material.alphaCutoff <= rim
     # The same few triangles come again and again: those of each variant's mesh.
     keys, inverse = np.unique(uv.reshape(len(uv), 6).round(6), axis=0, return_inverse=True)
     n = 200
@@ -186,7 +188,7 @@ def opaque_shares(mesh):
         at = weights @ key.reshape(3, 2)
         x = np.clip((at[:, 0] * width).astype(int), 0, width - 1)
         y = np.clip(((1 - at[:, 1]) * height).astype(int), 0, height - 1)
-        shares[k] = (alpha[y, x] >= cut * 255).mean()
+        shares[k] = (alpha[y, x] >= rim * 255).mean()
     return shares[inverse.reshape(-1)]
 
 

@@ -30,7 +30,9 @@ fn every_preset_passes_every_client() {
     plants().par_iter().enumerate().for_each(|(turn, Plant { id, recipe, grown })| {
         // What is grown does not hang on how it is shown.
         let mut recipe = recipe.clone();
-        for (knob, value) in SMALL {
+        // Some have their pictures as they are.
+        let small = if turn.is_multiple_of(16) { &SMALL[..1] } else { &SMALL };
+        for (knob, value) in small {
             recipe.preset.set(knob, value).unwrap();
         }
         let levels = levels(&recipe, grown, &Quiet).unwrap();

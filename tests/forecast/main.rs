@@ -66,11 +66,13 @@ fn check(what: &str, recipe: &Recipe, is_written: bool, factor: f64, faults: &mu
 #[test]
 fn every_preset_is_forecast_within_a_factor_of_two() {
     let mut faults = Vec::new();
-    for builtin in builtins() {
+    for (turn, builtin) in builtins().iter().enumerate() {
         let mut recipe = recipe(builtin);
-        // How large pictures become is held against files of their usual size where they are estimated.
-        for knob in ["bark_size", "leaf_size"] {
-            recipe.preset.set(knob, "128").unwrap();
+        // How large pictures become is held against files of their usual size for every eighth, and where they are estimated.
+        if !turn.is_multiple_of(8) {
+            for knob in ["bark_size", "leaf_size"] {
+                recipe.preset.set(knob, "128").unwrap();
+            }
         }
         check(builtin.id, &recipe, true, 2.0, &mut faults);
     }

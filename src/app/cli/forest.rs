@@ -175,13 +175,14 @@ impl Written<'_> {
         turned: &[(String, String)],
         progress: &Progress,
     ) -> anyhow::Result<()> {
-        // What one kind leaves alone another may listen to, each with the budget that it gets here.
-        let mut idle = forest.kinds.iter().map(|kind| {
+        // What one kind leaves alone another may listen to, with the budget that a large tree gets here or without.
+        let mut idle = forest.kinds.iter().flat_map(|kind| {
             let mut preset = kind.recipe.preset.clone();
+            let whole = super::idle(&preset, turned);
             if preset.dressing.detail.finest() == 0 {
                 preset.dressing.detail.triangles = forest.layout.triangles;
             }
-            super::idle(&preset, turned)
+            [whole, super::idle(&preset, turned)]
         });
         let first = idle.next().unwrap_or_default();
         let idle =

@@ -290,7 +290,7 @@ mod tests {
             step influence kill age trunk attraction gravitropism phototropism gravity apical_control waves
             contract scan_radius scale
             width base_radius tip_radius slenderness radius_exponent angle_share order_ratio
-            taper_base_min taper_tip_min refine relocate_share subdivisions trunk_curve sway gnarl
+            taper_base_min taper_tip_min refine relocate_share subdivisions trunk_curve sway gnarl trunk_gnarl
             junction flare collar bark
             leaf_form leaf_outline leaf_length leaf_arrangement leaves_per_m leaf_angle leaf_droop season
             triangles lods billboard wind wind_strength"

@@ -7,8 +7,15 @@ use crate::testing::Subject;
 use linden_base::monitor::Quiet;
 use linden_base::picture::Picture;
 
-const SMALL: [(&str, &str); 4] =
-    [("points", "200"), ("leaf_size", "128"), ("bark_size", "32"), ("leaf_colors", "#20a020")];
+/// Few leaves on a twig, so that each has pixels enough.
+const SMALL: [(&str, &str); 6] = [
+    ("points", "200"),
+    ("leaf_size", "128"),
+    ("bark_size", "32"),
+    ("leaf_colors", "#20a020"),
+    ("twig_shoots", "0"),
+    ("twig_length", "0.36"),
+];
 
 /// What a picture shows at a place.
 fn color_at(picture: &Picture, uv: Vec2) -> [u8; 4] {

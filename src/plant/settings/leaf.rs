@@ -182,7 +182,8 @@ const LOOKS: [Field<LeafKind>; 38] = [
         "for leaf_form=twig: leaves on the card",
         twig_leaves,
         details(
-            "leaves_per_m then counts cards: with 12 leaves on each a twelfth of them gives as many leaves."
+            "leaves_per_m then counts cards: with 12 leaves on each a twelfth of them gives as many leaves. 10 to 25 that \
+             leave gaps make a finer crown than twice as many close together."
         ),
         see_also(&["twig_length", "leaves_per_m", "leaf_form"])
     ),
@@ -205,9 +206,10 @@ const LOOKS: [Field<LeafKind>; 38] = [
         "for leaf_form=twig: side shoots on the card, which share its leaves; 0: one straight shoot",
         twig_shoots,
         details(
-            "A straight shoot with leaves left and right looks like one compound leaf from afar. 2 to 6 side shoots make a \
-             spray of it, twice as broad, for 15 to 40 leaves: a maple, a lime or a beech. Leave hanging twigs (birch, willow) \
-             straight. A side shoot has two leaves or more: fewer are drawn where there are not enough for all."
+            "A straight shoot with leaves left and right looks like one long leaf from afar. 2 side shoots suit most trees \
+             (oak, birch), 4 to 6 those whose sprays are broad (lime, beech). Give them room: where leaves cover \
+             each other on the card, the whole card looks like one leaf. A side shoot has two leaves or more: fewer are drawn \
+             where there are not enough for all."
         ),
         see_also(&["twig_leaves", "twig_length", "leaves_per_m"])
     ),

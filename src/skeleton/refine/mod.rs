@@ -80,6 +80,8 @@ pub struct Refinement {
     pub sway: f64,
     /// How far axes bend to and fro over a few times their thickness, as a share of it, about.
     pub gnarl: f64,
+    /// What a stem has of that below its lowest limb, 0 to 1.
+    pub trunk_gnarl: f64,
     /// Epicormic shoots and dead twigs; they are no refinement of what grew, and stand on the finished tree.
     pub side: SideWood,
 }
@@ -94,7 +96,8 @@ impl Refinement {
         self.trunk_curve.iter().any(|&x| x != 0.0)
     }
 
-    fn wanders(&self) -> bool {
+    /// Whether axes are displaced at random.
+    pub fn wanders(&self) -> bool {
         self.sway > 0.0 || self.gnarl > 0.0
     }
 }
@@ -112,6 +115,7 @@ impl Default for Refinement {
             trunk_curve: vec![0.0],
             sway: 0.0,
             gnarl: 0.0,
+            trunk_gnarl: 1.0,
             side: SideWood::default(),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Each axis is displaced by an offset that starts at zero; whatever hangs on it is carried along, so
 //! that laterals leave from where they did. What is drawn belongs to the axis: what grows elsewhere
-//! changes nothing here.
+//! changes nothing here, but for where a bole ends (`trunk_gnarl`).
 
 use std::f64::consts::TAU;
 
@@ -16,6 +16,8 @@ use linden_base::random::Key;
 
 /// Length of a bend of gnarled wood, in radii of the wood.
 const BEND_RADII: f64 = 9.0;
+/// What is thinner than this share of its stem is no limb: the bole goes on above it.
+const LIMB: f64 = 0.15;
 
 /// Displaces all axes.
 pub(super) fn wander(
@@ -34,6 +36,7 @@ pub(super) fn wander(
         Vec::new()
     };
     let radius_m = |node: u32| radii.get(node as usize).map_or(0.0, |&radius| f64::from(radius));
+    let boles = Boles::new(&axes, &axis_nodes, refinement, radius_m);
     let mut places = positions.clone();
     let mut looked_at = 0;
     for (axis, &key) in axes.iter().zip(&keys) {
@@ -50,6 +53,7 @@ pub(super) fn wander(
         };
         let sway = Sway::new(&course, key.named("sway"), refinement.sway);
         let mut gnarl = Gnarl::new(key.named("gnarl"), refinement.gnarl);
+        let mut bole = boles.of(axis);
         let mut along_m = 0.0;
         let mut before = course.start;
         for &node in nodes {
@@ -57,7 +61,8 @@ pub(super) fn wander(
             let step_m = f64::from(before.distance(here));
             along_m += step_m;
             before = here;
-            let aside = carried + sway.at(along_m) + gnarl.go(step_m, radius_m(node));
+            let share = bole.go(step_m, node, radius_m(node));
+            let aside = carried + sway.at(along_m) + gnarl.go(step_m, radius_m(node)) * share;
             places[node as usize] = here + aside.as_vec3();
         }
     }
@@ -122,6 +127,60 @@ impl Sway {
             direction * (libm::sin(TAU * waves * u + phase) - libm::sin(phase))
         };
         self.waves.iter().map(wave).sum::<DVec3>() * ease
+    }
+}
+
+/// Where the boles of stems end: at their lowest limbs.
+struct Boles {
+    /// Whether a limb leaves at a node; empty where boles are as gnarled as all other wood.
+    bears_limb: Vec<bool>,
+    /// What a bole has of the gnarl.
+    share: f64,
+}
+
+impl Boles {
+    fn new(
+        axes: &[Axis],
+        axis_nodes: &[u32],
+        refinement: &Refinement,
+        radius_m: impl Fn(u32) -> f64,
+    ) -> Self {
+        let share = refinement.trunk_gnarl;
+        let mut bears_limb = Vec::new();
+        if share < 1.0 && refinement.gnarl > 0.0 {
+            bears_limb.resize(axis_nodes.len(), false);
+            for axis in axes.iter().filter(|axis| axis.parent != NO_PARENT && axis.len > 0) {
+                let first = axis_nodes[axis.first as usize];
+                bears_limb[axis.parent as usize] |= radius_m(first) >= LIMB * radius_m(axis.parent);
+            }
+        }
+        Self { bears_limb, share }
+    }
+
+    /// That of an axis, which has one only where it stands on the ground.
+    fn of(&self, axis: &Axis) -> Bole<'_> {
+        let stands = axis.parent == NO_PARENT && !self.bears_limb.is_empty();
+        Bole { boles: self, is_below: stands, bends_above: if stands { 0.0 } else { 1.0 } }
+    }
+}
+
+/// What wood along an axis has of the gnarl.
+struct Bole<'a> {
+    boles: &'a Boles,
+    is_below: bool,
+    /// Since the lowest limb, at most one.
+    bends_above: f64,
+}
+
+impl Bole<'_> {
+    /// The share after one more step: that of boles up to the lowest limb, all within a bend above it.
+    fn go(&mut self, step_m: f64, node: u32, radius_m: f64) -> f64 {
+        if !self.is_below && self.bends_above < 1.0 && radius_m > 0.0 {
+            self.bends_above = (self.bends_above + step_m / (BEND_RADII * radius_m)).min(1.0);
+        }
+        self.is_below = self.is_below && !self.boles.bears_limb[node as usize];
+        let t = self.bends_above;
+        self.boles.share + (1.0 - self.boles.share) * t * t * (3.0 - 2.0 * t)
     }
 }
 
@@ -212,6 +271,44 @@ mod tests {
         let most = farthest(&gnarled, &all);
         // Orders add up: a twig is carried by all that it hangs on.
         assert!(most > 0.2 * radius && most < 0.5 * 2.0 * 1.8 * radius * 12.0, "{most} of {radius}");
+    }
+
+    /// A bole of 4 m below a limb, and a twig at half of it that ends nothing.
+    #[test]
+    fn a_bole_is_straight_up_to_its_lowest_limb() {
+        let stem = (0..=100).map(|i| Vec3::Y * (i as f32 * 0.1));
+        let limb = (1..=60).map(|i| Vec3::new(i as f32 * 0.1, 4.0, 0.0));
+        let twig = (1..=3).map(|i| Vec3::new(0.0, 2.0, i as f32 * 0.1));
+        let mut parents: Vec<u32> = (0..=100_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect();
+        let mut tips = |from: u32, nodes: u32| {
+            let first = parents.len() as u32;
+            parents.extend((0..nodes).map(|i| if i == 0 { from } else { first + i - 1 }));
+        };
+        tips(40, 60);
+        tips(20, 3);
+        let mut places: Vec<Vec3> = stem.chain(limb).chain(twig).collect();
+        // Twigs at their ends make limb and stem thick, the stem thicker.
+        for (end, count) in [(100, 200), (160, 100)] {
+            for i in 0..count {
+                places.push(places[end] + Vec3::new(0.2, 0.0, i as f32 * 0.1));
+                parents.push(end as u32);
+            }
+        }
+        let all = tree(places, &parents);
+        let with = |trunk_gnarl: f64| {
+            refined(all.clone(), &Refinement { gnarl: 1.0, trunk_gnarl, ..Refinement::default() })
+        };
+        let aside = |moved: &Branching, nodes: std::ops::RangeInclusive<usize>| {
+            nodes.map(|i| moved.positions[i].distance(all.positions[i])).fold(0.0, f32::max)
+        };
+        let [straight, half, usual] = [0.0, 0.5, 1.0].map(with);
+        assert_eq!(aside(&straight, 0..=40), 0.0);
+        assert!(aside(&straight, 41..=100) > 0.0 && aside(&straight, 101..=160) > 0.0);
+        for i in 0..=40 {
+            let [half, usual] = [&half, &usual].map(|moved| moved.positions[i] - all.positions[i]);
+            assert!(half.abs_diff_eq(usual * 0.5, 1e-6), "{i}: {half} and {usual}");
+        }
+        assert!(aside(&usual, 1..=40) > 0.01);
     }
 
     fn farthest(moved: &Branching, from: &Branching) -> f32 {

@@ -105,12 +105,11 @@ impl Preset {
     fn leaves_to_chance(&self) -> bool {
         let Dressing { foliage, wind, .. } = &self.dressing;
         let bears_leaves = foliage.kinds().any(|kind| kind.form != Form::None) || self.places_organs();
-        let wanders = self.refines("wander") && (self.refinement.sway > 0.0 || self.refinement.gnarl > 0.0);
         let tapers = self.settled_width().is_none_or(|width| matches!(width, Width::Taper | Width::Order));
         self.has_spreads()
             || self.generator.draws()
             || bears_leaves
-            || wanders
+            || self.refinement.wanders()
             || tapers
             || wind.wind != Wind::Off
     }
@@ -148,7 +147,7 @@ static OF_NO_TABLE: &[Rule] = &[Rule {
     why: |preset| {
         when(
             !preset.leaves_to_chance(),
-            "nothing is left to chance: angle_jitter, length_jitter and leaves would be; bark_seed is for the bark",
+            "nothing is left to chance: angle_jitter, length_jitter, sway, gnarl and leaves would be; bark_seed is for the bark",
         )
     },
 }];
@@ -186,6 +185,20 @@ mod tests {
         assert_eq!(of(&aspen), [None; 3]);
         aspen.set("leaf_form", "none").unwrap();
         assert_eq!(of(&aspen), [Some("leaf_form is none"); 3]);
+    }
+
+    #[test]
+    fn a_seed_counts_where_wood_wanders() {
+        let mut preset = builtin("abop-a").unwrap().load().unwrap();
+        assert!(preset.idle("seed").is_some());
+        assert_eq!(preset.idle("trunk_gnarl"), Some("it is a share of gnarl, which is 0"));
+        for knob in ["gnarl", "sway"] {
+            preset.set(knob, "0.2").unwrap();
+            assert_eq!(preset.idle("seed"), None, "{knob}");
+            preset.set(knob, "0").unwrap();
+        }
+        preset.set("gnarl", "0.2").unwrap();
+        assert_eq!(preset.idle("trunk_gnarl"), None);
     }
 
     #[test]

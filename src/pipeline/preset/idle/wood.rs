@@ -87,6 +87,10 @@ pub(super) static RULES: &[Rule] = &[
         knobs: &["subdivisions"],
         why: |preset| when(!preset.refines("subdivide"), "it is for refine=subdivide"),
     },
+    Rule {
+        knobs: &["trunk_gnarl"],
+        why: |preset| when(preset.refinement.gnarl <= 0.0, "it is a share of gnarl, which is 0"),
+    },
 ];
 
 /// Why what decides the radii of other trees may not decide those of a scanned one.
