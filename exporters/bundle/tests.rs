@@ -443,7 +443,7 @@ fn every_refusal_of_the_system_names_the_file_and_what_to_do() {
             let mut bundle = Bundle::stream("standard output", Fills { room, kind });
             let lines = |out: &mut Sink<'_>| {
                 records::write(out, 100_000, |text, range| {
-                    range.for_each(|_| text.bytes(b"0123456789abcdef"))
+                    range.for_each(|_| text.bytes(b"0123456789abcdef"));
                 })
             };
             assert_eq!(bundle.write_main(None, &Quiet, lines).unwrap_err().to_string(), said);

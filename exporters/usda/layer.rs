@@ -10,6 +10,8 @@ use crate::{ExportError, Sink};
 
 /// Elements of an array in a line: editors and diff choke on one of a hundred megabytes.
 const PER_LINE: usize = 64;
+/// Of an array of one number: half a line is as long as records may be.
+const PER_RECORD: usize = PER_LINE / 2;
 
 /// A layer, up to some depth.
 pub(super) struct Layer<'s, 'a>(Form<'s, 'a>);
@@ -116,8 +118,6 @@ impl<'s, 'a> Layer<'s, 'a> {
         };
         let pad = "    ".repeat(*depth);
         out.write(format!("{pad}{declaration} = [").as_bytes())?;
-        // Half a line is as long as records may be.
-        const PER_RECORD: usize = PER_LINE / 2;
         let half = vec![number.to_string(); PER_RECORD].join(", ");
         records::write(out, count.div_ceil(PER_RECORD), |text, range| {
             for record in range {

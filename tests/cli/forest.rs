@@ -522,9 +522,13 @@ fn notes_on_knobs_know_the_budget_that_large_trees_get() {
         "-o",
         "a.glb",
     ];
-    let notes = |knob: &str| folder.run(&[&line[..], &SMALL, &["--set", knob]].concat()).done().err;
+    let notes = |knob: &str| {
+        let said = folder.run(&[&line[..], &SMALL, &["--set", knob]].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.err
+    };
     // Cards are for those that have a budget, relief for those that are whole without.
-    for knob in ["card_size=64", "bark_relief_height=1"] {
+    for knob in ["card_size=256", "bark_relief_height=1"] {
         let said = notes(knob);
         assert!(!said.contains("changes nothing"), "{said}");
     }
