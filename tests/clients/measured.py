@@ -175,7 +175,7 @@ def opaque_shares(mesh):
     uv = mesh.visual.uv[mesh.faces]
     # The rim of a leaf, up to which it is measured. Files cut farther out, so that leaves are seen from afar.
     rim = 0.5
-    assert 0 < material.alphaCutoff <= rim
+    assert material.alphaCutoff is None or 0 < material.alphaCutoff <= rim
     # The same few triangles come again and again: those of each variant's mesh.
     keys, inverse = np.unique(uv.reshape(len(uv), 6).round(6), axis=0, return_inverse=True)
     n = 200

@@ -96,12 +96,12 @@ def cases(linden, out):
     for preset in listed:
         if preset["generator"] not in ("lsystem", "colonization"):
             continue
-        own, derivations = COLONIZATION, 0
+        of_generator, derivations = COLONIZATION, 0
         if preset["generator"] == "lsystem":
             shown = subprocess.run([linden, "show", preset["id"], "--json"], capture_output=True, check=True).stdout
             knobs = {knob["name"]: knob["value"] for knob in json.loads(shown)["knobs"]}
-            own, derivations = LSYSTEM, int(knobs["derivations"])
-        for sets in own + ANY:
+            of_generator, derivations = LSYSTEM, int(knobs["derivations"])
+        for sets in of_generator + ANY:
             more = lambda found: str(derivations + int(found[1]))
             sets = [re.sub(r"\{\+(\d)\}", more, one) for one in sets]
             for name, arguments in commands(preset["id"], sets, out):

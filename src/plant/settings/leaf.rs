@@ -170,7 +170,7 @@ const LOOKS: [Field<LeafKind>; 38] = [
         "for leaf_form=twig: length of the card; auto: four leaves",
         twig_length_m,
         details(
-            "The card replaces a small twig with its leaves. 0.3 to 0.5 m suits broad leaves; longer cards \
+            "The card replaces a small twig with its leaves. 0.3 to 0.7 m suits broad leaves; longer cards \
              are lighter, and look flat from near."
         ),
         see_also(&["twig_leaves", "leaf_length", "leaves_per_m"])
