@@ -337,4 +337,15 @@ mod tests {
             assert!((0.3..=1.8).contains(&(most / radius_m)), "{most} m for {radius_m} m");
         }
     }
+
+    #[test]
+    fn the_help_has_the_measures_that_are_computed_with() {
+        let details = |name: &str| {
+            Refinement::FIELDS.iter().find(|row| row.knob.name == name).map_or("", |row| row.knob.details)
+        };
+        let limb = format!("at least {LIMB} of the trunk's thickness");
+        assert!(details("trunk_gnarl").contains(&limb), "{limb}");
+        assert_eq!(BEND_RADII, 9.0, "the help says nine");
+        assert!(["gnarl", "trunk_gnarl"].iter().all(|name| details(name).contains("nine radii")));
+    }
 }
