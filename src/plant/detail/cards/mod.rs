@@ -11,6 +11,9 @@ mod draw;
 mod frame;
 mod grain;
 mod laterals;
+mod model;
+mod sheet;
+mod sight;
 #[cfg(test)]
 mod tests;
 
@@ -157,14 +160,12 @@ impl Cards {
             .map(|drawn_in| wardrobe.in_season(drawn_in, body.organs, monitor))
             .transpose()?;
         let wardrobe = redrawn.as_ref().unwrap_or(wardrobe);
-        let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
-            deck.prototypes.iter().zip(&deck.densities).map(move |(&piece, &density)| draw::CardSubject {
-                level,
-                piece,
-                frame: &deck.frames[piece as usize],
-                density,
-            })
-        });
+        let models =
+            levels.iter().zip(&decks).flat_map(|(level, deck)| {
+                deck.prototypes.iter().zip(&deck.densities).map(move |(&piece, &density)| {
+                    model::CardSubject { level, piece, frame: &deck.frames[piece as usize], density }
+                })
+            });
         let drawn = draw::draw(models, specimen, body, wardrobe, (size_px, grain), monitor)?;
         let (color, is_dome) = (drawn.color(), is_mostly_dome(body.organs));
         let shape = |mesh: Mesh| LeafShape {
