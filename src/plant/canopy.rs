@@ -131,79 +131,11 @@ pub fn canopy(
     // As dressing does with a recipe of other kinds than the organs grew by.
     let shapes = if shapes.len() == organs.shapes.len() { shapes } else { organs.shapes.to_vec() };
     let kinds: Vec<&LeafKind> = specimen.dressing.foliage.kinds().collect();
-    let mut crops: Vec<Crop> = vec![plain("polygon", true)];
-    crops.extend(
-        PROTOTYPES.iter().map(|prototype| plain(prototype.name, prototype.class == OrganClass::Leaf)),
-    );
-    let first_kind = crops.len();
-    crops.extend(kinds.iter().map(|kind| crop_of(kind)));
-    let whole = |mesh: &Mesh| vec![1.0; mesh.triangles.len()];
-    let mut stamps: Vec<Stamp<'_>> = PROTOTYPES
-        .iter()
-        .enumerate()
-        .map(|(i, prototype)| {
-            let mesh = prototype.mesh();
-            Stamp { mesh, shares: whole(mesh), facing: whole(mesh), crop: 1 + i }
-        })
-        .collect();
-    stamps.extend(shapes.iter().map(|LeafShape { kind, mesh, faces, .. }| {
-        let kind = usize::from(*kind).min(kinds.len() - 1);
-        let mask = covers.get(kind).and_then(Option::as_ref).and_then(Cover::mask).map(AsRef::as_ref);
-        let shares = opaque_shares(mesh, mask).into_iter().map(|share| share / f64::from(*faces));
-        let facing = facing(kinds[kind], mesh.triangles.len(), usize::from(*faces));
-        Stamp { mesh, shares: shares.collect(), facing, crop: first_kind + kind }
-    }));
+    let (mut crops, stamps) = (crops(&kinds), stamps(&kinds, &shapes, &covers));
     let measuring = Measuring { organs, stamps: &stamps, crops: &crops };
-
-    let tasks = organs.len().div_ceil(PER_TASK);
-    let run = |of: &(dyn Fn(&mut Part, &Mesh, &Stamp<'_>, f64) + Sync)| {
-        let parts = (0..tasks).into_par_iter().map(|task| {
-            monitor.check()?;
-            let mut part = Part { crops: vec![(0, 0.0); crops.len()], ..Part::default() };
-            measuring.visit(
-                task * PER_TASK..organs.len().min((task + 1) * PER_TASK),
-                |mesh, stamp, foot_m| {
-                    of(&mut part, mesh, stamp, foot_m);
-                },
-            );
-            // The points of all its organs, no longer than until their hull is known.
-            part.corners = HullSolid::of(&part.corners).corners;
-            Ok(part)
-        });
-        parts.collect::<Result<Vec<Part>, Cancelled>>()
-    };
-    let extents = run(&|part, mesh, stamp, foot_m| {
-        part.vertices += mesh.positions.len();
-        part.triangles += mesh.triangles.len();
-        part.corners.extend(mesh.positions.iter().map(|p| p.as_dvec3()));
-        if part.corners.len() > MOST_CORNERS {
-            part.corners = HullSolid::of(&part.corners).corners;
-        }
-        part.crops[stamp.crop].0 += 1;
-        if crops[stamp.crop].is_leaf {
-            let top_m = mesh.positions.iter().map(|p| f64::from(p.y)).reduce(f64::max);
-            part.top_m = part.top_m.into_iter().chain(top_m).reduce(f64::max);
-            part.lowest_leaf_m = Some(part.lowest_leaf_m.map_or(foot_m, |lowest| lowest.min(foot_m)));
-        }
-    })?;
+    let extents = measuring.extents(monitor)?;
     let top_m = extents.iter().filter_map(|part| part.top_m).fold(floor_m, f64::max);
-    let areas = run(&|part, mesh, stamp, _| {
-        part.inclinations_m2.resize(INCLINATIONS, 0.0);
-        part.layers_m2.resize(LAYERS, 0.0);
-        for ((triangle, share), facing) in mesh.triangles.iter().zip(&stamp.shares).zip(&stamp.facing) {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize].as_dvec3());
-            let normal = (b - a).cross(c - a);
-            let area = normal.length() / 2.0 * share;
-            part.crops[stamp.crop].1 += area;
-            if area > 0.0 && crops[stamp.crop].is_leaf {
-                let level = DVec3::new(normal.x, 0.0, normal.z).length();
-                let inclination = libm::atan2(level, normal.y.abs()) / FRAC_PI_2;
-                part.inclinations_m2[class(inclination, INCLINATIONS)] += area * facing;
-                let height = ((a.y + b.y + c.y) / 3.0 - floor_m) / (top_m - floor_m).max(f64::MIN_POSITIVE);
-                part.layers_m2[class(height, LAYERS)] += area / f64::from(crops[stamp.crop].sheets);
-            }
-        }
-    })?;
+    let areas = measuring.areas([floor_m, top_m], monitor)?;
 
     for part in &extents {
         crops.iter_mut().zip(&part.crops).for_each(|(crop, (organs, _))| crop.organs += organs);
@@ -232,6 +164,30 @@ pub fn canopy(
         floor_m,
         top_m,
     })
+}
+
+/// A grammar's polygons, its organs, then the kinds: none of them yet.
+fn crops(kinds: &[&LeafKind]) -> Vec<Crop> {
+    let of_grammar = PROTOTYPES.iter().map(|it| plain(it.name, it.class == OrganClass::Leaf));
+    let of_kinds = kinds.iter().map(|kind| crop_of(kind));
+    std::iter::once(plain("polygon", true)).chain(of_grammar).chain(of_kinds).collect()
+}
+
+/// The meshes of a grammar's organs, then those of leaves, each with its crop among [`crops`].
+fn stamps<'a>(kinds: &[&LeafKind], shapes: &'a [LeafShape], covers: &[Option<Cover>]) -> Vec<Stamp<'a>> {
+    let whole = |mesh: &Mesh| vec![1.0; mesh.triangles.len()];
+    let of_grammar = PROTOTYPES.iter().enumerate().map(|(i, prototype)| {
+        let mesh = prototype.mesh();
+        Stamp { mesh, shares: whole(mesh), facing: whole(mesh), crop: 1 + i }
+    });
+    let of_kinds = shapes.iter().map(|LeafShape { kind, mesh, faces, .. }| {
+        let kind = usize::from(*kind).min(kinds.len() - 1);
+        let mask = covers.get(kind).and_then(Option::as_ref).and_then(Cover::mask).map(AsRef::as_ref);
+        let shares = opaque_shares(mesh, mask).into_iter().map(|share| share / f64::from(*faces));
+        let facing = facing(kinds[kind], mesh.triangles.len(), usize::from(*faces));
+        Stamp { mesh, shares: shares.collect(), facing, crop: 1 + PROTOTYPES.len() + kind }
+    });
+    of_grammar.chain(of_kinds).collect()
 }
 
 /// The class of a share, 0 to 1.
@@ -271,6 +227,7 @@ fn crop_of(kind: &LeafKind) -> Crop {
     Crop { leaves_each, sheets, ..plain(&kind.label(), kind.class() == OrganClass::Leaf) }
 }
 
+/// The organs of a tree while they are measured.
 struct Measuring<'a> {
     organs: &'a Organs,
     stamps: &'a [Stamp<'a>],
@@ -278,6 +235,65 @@ struct Measuring<'a> {
 }
 
 impl Measuring<'_> {
+    /// How many organs there are of each crop, their meshes, and how far they reach.
+    fn extents(&self, monitor: &dyn Monitor) -> Result<Vec<Part>, Cancelled> {
+        self.in_tasks(monitor, |part, mesh, stamp, foot_m| {
+            part.vertices += mesh.positions.len();
+            part.triangles += mesh.triangles.len();
+            part.corners.extend(mesh.positions.iter().map(|p| p.as_dvec3()));
+            if part.corners.len() > MOST_CORNERS {
+                part.corners = HullSolid::of(&part.corners).corners;
+            }
+            part.crops[stamp.crop].0 += 1;
+            if self.crops[stamp.crop].is_leaf {
+                let top_m = mesh.positions.iter().map(|p| f64::from(p.y)).reduce(f64::max);
+                part.top_m = part.top_m.into_iter().chain(top_m).reduce(f64::max);
+                part.lowest_leaf_m = Some(part.lowest_leaf_m.map_or(foot_m, |lowest| lowest.min(foot_m)));
+            }
+        })
+    }
+
+    /// The area of each crop, and that of leaves by inclination and in layers between two heights.
+    fn areas(&self, [floor_m, top_m]: [f64; 2], monitor: &dyn Monitor) -> Result<Vec<Part>, Cancelled> {
+        self.in_tasks(monitor, |part, mesh, stamp, _| {
+            part.inclinations_m2.resize(INCLINATIONS, 0.0);
+            part.layers_m2.resize(LAYERS, 0.0);
+            for ((triangle, share), facing) in mesh.triangles.iter().zip(&stamp.shares).zip(&stamp.facing) {
+                let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize].as_dvec3());
+                let normal = (b - a).cross(c - a);
+                let area = normal.length() / 2.0 * share;
+                part.crops[stamp.crop].1 += area;
+                if area > 0.0 && self.crops[stamp.crop].is_leaf {
+                    let level = DVec3::new(normal.x, 0.0, normal.z).length();
+                    let inclination = libm::atan2(level, normal.y.abs()) / FRAC_PI_2;
+                    part.inclinations_m2[class(inclination, INCLINATIONS)] += area * facing;
+                    let height =
+                        ((a.y + b.y + c.y) / 3.0 - floor_m) / (top_m - floor_m).max(f64::MIN_POSITIVE);
+                    part.layers_m2[class(height, LAYERS)] += area / f64::from(self.crops[stamp.crop].sheets);
+                }
+            }
+        })
+    }
+
+    /// What tasks find that look at some of the organs each, in their order.
+    fn in_tasks(
+        &self,
+        monitor: &dyn Monitor,
+        look: impl Fn(&mut Part, &Mesh, &Stamp<'_>, f64) + Sync,
+    ) -> Result<Vec<Part>, Cancelled> {
+        let count = self.organs.len();
+        let parts = (0..count.div_ceil(PER_TASK)).into_par_iter().map(|task| {
+            monitor.check()?;
+            let mut part = Part { crops: vec![(0, 0.0); self.crops.len()], ..Part::default() };
+            let organs = task * PER_TASK..count.min((task + 1) * PER_TASK);
+            self.visit(organs, |mesh, stamp, foot_m| look(&mut part, mesh, stamp, foot_m));
+            // The points of all its organs, no longer than until their hull is known.
+            part.corners = HullSolid::of(&part.corners).corners;
+            Ok(part)
+        });
+        parts.collect()
+    }
+
     /// Gives each of some organs as it stands: its mesh in its place, what it is a copy of, and the height of its
     /// foot.
     fn visit(&self, range: std::ops::Range<usize>, mut look: impl FnMut(&Mesh, &Stamp<'_>, f64)) {

@@ -134,29 +134,69 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
         + scene.materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing the impostor", scene.bytes() + bytes, "lower its size")?;
 
-    let textures: Vec<Option<Texture>> = scene.materials.iter().map(Texture::of).collect();
+    let textures = scene.materials.iter().map(Texture::of).collect();
+    let views = Views { scene, textures, how, samples, centre_m, radius_m, monitor };
     let mut pile = Pile::new(size, SAMPLES);
     let mut depths = Plane::new(size);
-    let seen = |number: u32| -> Result<(Pixels, Resolved, Vec<Vec4>), Cancelled> {
+    // Of a few at a time, laid in their order.
+    monitor.advance(Phase::View, 0, Some(frames.into()));
+    for row in 0..frames {
+        monitor.check()?;
+        let seen = (row * frames..(row + 1) * frames).into_par_iter().map(|number| views.seen(number));
+        for (corner, resolved, near) in seen.collect::<Result<Vec<_>, Cancelled>>()? {
+            pile.lay(&resolved, corner, Vec3::ONE);
+            for (y, line) in near.chunks_exact(side as usize).enumerate() {
+                let first = (corner.y as usize + y) * size.x as usize + corner.x as usize;
+                depths.values[first..first + line.len()].copy_from_slice(line);
+            }
+        }
+        monitor.advance(Phase::View, (row + 1).into(), Some(frames.into()));
+    }
+    let Finished { color, normal, .. } = pile.finish(CUTOUT, false, monitor)?;
+    depths.fill(monitor)?;
+    let normal_depth = Arc::new(with_depth(&normal, &depths, radius_m));
+    Ok(Impostor { color: Arc::new(color), normal_depth, frames, is_whole, centre_m, radius_m })
+}
+
+/// A scene as it is looked at from all around.
+struct Views<'a> {
+    scene: &'a Scene,
+    /// Of each material.
+    textures: Vec<Option<Texture>>,
+    how: &'a ImpostorView,
+    /// Of a view.
+    samples: Pixels,
+    centre_m: Vec3,
+    radius_m: f32,
+    monitor: &'a dyn Monitor,
+}
+
+impl Views<'_> {
+    /// A view by its number: where it lies on the picture, what is seen, and for each pixel the sum and the number of the
+    /// depths of its samples.
+    fn seen(&self, number: u32) -> Result<(Pixels, Resolved, Vec<Vec4>), Cancelled> {
+        let ImpostorView { frames, size_px, is_whole } = *self.how;
+        let (side, samples) = (size_px / frames, self.samples);
         let at = [number % frames, number / frames];
         let toward = direction(at, frames, is_whole);
         let [right, up] = frame(toward);
         let view = View {
-            origin: centre_m,
+            origin: self.centre_m,
             right,
             up,
             toward,
-            corner: Vec2::new(-radius_m, radius_m),
+            corner: Vec2::new(-self.radius_m, self.radius_m),
             relief: 1.0,
             cuts_whole: true,
-            scale: samples.x as f32 / (2.0 * radius_m),
+            scale: samples.x as f32 / (2.0 * self.radius_m),
             first: Pixels::new(0, 0),
             size: samples,
         };
         let mut drawn = Canvas::new(samples);
-        for part in &scene.parts {
-            let (material, texture) = (&scene.materials[part.material], textures[part.material].as_ref());
-            drawing::draw(&mut drawn, &view, &part.mesh, material, texture, monitor)?;
+        for part in &self.scene.parts {
+            let (material, texture) =
+                (&self.scene.materials[part.material], self.textures[part.material].as_ref());
+            drawing::draw(&mut drawn, &view, &part.mesh, material, texture, self.monitor)?;
         }
         let mut near = vec![Vec4::ZERO; side as usize * side as usize];
         for (index, sample) in drawn.samples.iter_mut().enumerate() {
@@ -169,30 +209,17 @@ pub fn impostor(scene: &Scene, how: &ImpostorView, monitor: &dyn Monitor) -> Res
             sample.normal = right * x + up * y + toward * z;
         }
         Ok((Pixels::new(at[0] * side, at[1] * side), Resolved::of(&drawn, SAMPLES), near))
-    };
-    // Of a few at a time, laid in their order.
-    monitor.advance(Phase::View, 0, Some(frames.into()));
-    for row in 0..frames {
-        monitor.check()?;
-        let views = (row * frames..(row + 1) * frames).into_par_iter().map(seen);
-        for (corner, resolved, near) in views.collect::<Result<Vec<_>, Cancelled>>()? {
-            pile.lay(&resolved, corner, Vec3::ONE);
-            for (y, line) in near.chunks_exact(side as usize).enumerate() {
-                let first = (corner.y as usize + y) * size.x as usize + corner.x as usize;
-                depths.values[first..first + line.len()].copy_from_slice(line);
-            }
-        }
-        monitor.advance(Phase::View, (row + 1).into(), Some(frames.into()));
     }
-    let Finished { color, normal, .. } = pile.finish(CUTOUT, false, monitor)?;
-    depths.fill(monitor)?;
+}
+
+/// Normals with the depths as alpha: nothing is as far as the ball's back, all as its front.
+fn with_depth(normal: &Picture, depths: &Plane, radius_m: f32) -> Picture {
     let mut pixels = normal.rgba().to_vec();
     for (pixel, depth) in pixels.as_chunks_mut::<4>().0.iter_mut().zip(&depths.values) {
         let near = (0.5 + 0.5 * depth.x / radius_m).clamp(0.0, 1.0);
         pixel[3] = libm::roundf(near * 255.0) as u8;
     }
-    let normal_depth = Arc::new(Picture::new(size.x, size.y, pixels));
-    Ok(Impostor { color: Arc::new(color), normal_depth, frames, is_whole, centre_m, radius_m })
+    Picture::new(normal.width(), normal.height(), pixels)
 }
 
 #[cfg(test)]

@@ -402,52 +402,15 @@ impl Plan {
         let recipe = (specimen.recipe)(specimen.dressing, body.organs);
         let dressing = self.dressing(specimen.dressing);
         let specimen = &specimen.with(&dressing);
-        let Dressing { detail, tubes, .. } = specimen.dressing;
+        let detail = &specimen.dressing.detail;
         let field = Field::of(specimen, body.skeleton);
-        let mut scenes: Vec<Scene> = Vec::new();
-        match &self.details {
+        let mut scenes = match &self.details {
             None => {
                 let blown = field.as_ref().map(|field| Blown { field, axes: None });
-                scenes.push(wardrobe.dress(specimen, body, blown, monitor)?);
+                vec![wardrobe.dress(specimen, body, blown, monitor)?]
             }
-            Some(details) => {
-                let simplifier = Simplifier::with_exposure(tubes, body, &self.exposure, monitor)?;
-                let foliage = &specimen.dressing.foliage;
-                let simplifiers = (0..details.len())
-                    .map(|number| simplifier.in_level(foliage, number, monitor))
-                    .collect::<Result<Vec<_>, _>>()?;
-                let details = &self.in_season(details, &simplifiers, detail.branch_cards, monitor)?;
-                let are_seen = specimen.wanted.surface;
-                let mut pieces = Vec::new();
-                for (simplifier, level) in simplifiers.iter().zip(details) {
-                    if are_seen && level.card_m > 0.0 {
-                        pieces.push(simplifier.pieces(level, monitor)?);
-                    }
-                }
-                let size_px = detail.card_size_px;
-                let mut cards = (!pieces.is_empty())
-                    .then(|| Cards::new(&pieces, specimen, body, wardrobe, size_px, monitor))
-                    .transpose()?;
-                drop(pieces);
-                let mut carded = 0;
-                for (number, (simplifier, level)) in simplifiers.iter().zip(details).enumerate() {
-                    let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-                    let mut thin = simplifier.simplified(level, &held)?;
-                    let mut worn = wardrobe.with_shapes(in_level(wardrobe.shapes(), number));
-                    if let (Some(cards), true) = (&mut cards, level.card_m > 0.0) {
-                        (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
-                        carded += 1;
-                    }
-                    worn = worn.with_moss(self.budgets[number].moss(*level == Detail::full(tubes)));
-                    let mut scene = dressed(thin, &worn, field.as_ref(), specimen, body, &held)?;
-                    if level.card_m > 0.0 {
-                        // Whatever stands for them, these are the tree's.
-                        scene.organs = wardrobe.organs(specimen, body.organs);
-                    }
-                    scenes.push(scene);
-                }
-            }
-        }
+            Some(details) => self.simplified(details, specimen, body, wardrobe, field.as_ref(), monitor)?,
+        };
         for scene in &mut scenes {
             scene.recipe.clone_from(&recipe);
         }
@@ -456,20 +419,74 @@ impl Plan {
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
             scenes.push(billboard(&scenes[0], &how, &held)?);
         }
-        // As many triangles per pixel in each: the height goes with the root of their number.
-        let step = (detail.lod_ratio as f32).sqrt();
-        let most = scenes[0].triangles().max(1) as f32;
-        let is_listed = !detail.budgets().is_empty();
-        let last = scenes.len() - 1;
-        let mut coverage = NEAR / step;
-        let level = |(index, scene): (usize, Scene)| {
-            coverage *= step;
-            let listed = NEAR * (scene.triangles() as f32 / most).sqrt();
-            let threshold = if is_listed { listed } else { coverage };
-            Level { scene, coverage: if index == last { 0.0 } else { threshold } }
-        };
-        Ok(scenes.into_iter().enumerate().map(level).collect())
+        Ok(in_turn(scenes, detail))
     }
+
+    /// Dresses the tree as simplified as each of its levels asks for.
+    fn simplified(
+        &self,
+        details: &[Detail],
+        specimen: &Specimen<'_>,
+        body: Body<'_>,
+        wardrobe: &Wardrobe,
+        field: Option<&Field>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Scene>, DetailError> {
+        let Dressing { detail, tubes, .. } = specimen.dressing;
+        let simplifier = Simplifier::with_exposure(tubes, body, &self.exposure, monitor)?;
+        let foliage = &specimen.dressing.foliage;
+        let simplifiers = (0..details.len())
+            .map(|number| simplifier.in_level(foliage, number, monitor))
+            .collect::<Result<Vec<_>, _>>()?;
+        let details = &self.in_season(details, &simplifiers, detail.branch_cards, monitor)?;
+        let are_seen = specimen.wanted.surface;
+        let mut pieces = Vec::new();
+        for (simplifier, level) in simplifiers.iter().zip(details) {
+            if are_seen && level.card_m > 0.0 {
+                pieces.push(simplifier.pieces(level, monitor)?);
+            }
+        }
+        let size_px = detail.card_size_px;
+        let mut cards = (!pieces.is_empty())
+            .then(|| Cards::new(&pieces, specimen, body, wardrobe, size_px, monitor))
+            .transpose()?;
+        drop(pieces);
+        let (mut scenes, mut carded): (Vec<Scene>, usize) = (Vec::new(), 0);
+        for (number, (simplifier, level)) in simplifiers.iter().zip(details).enumerate() {
+            let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
+            let mut thin = simplifier.simplified(level, &held)?;
+            let mut worn = wardrobe.with_shapes(in_level(wardrobe.shapes(), number));
+            if let (Some(cards), true) = (&mut cards, level.card_m > 0.0) {
+                (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
+                carded += 1;
+            }
+            worn = worn.with_moss(self.budgets[number].moss(*level == Detail::full(tubes)));
+            let mut scene = dressed(thin, &worn, field, specimen, body, &held)?;
+            if level.card_m > 0.0 {
+                // Whatever stands for them, these are the tree's.
+                scene.organs = wardrobe.organs(specimen, body.organs);
+            }
+            scenes.push(scene);
+        }
+        Ok(scenes)
+    }
+}
+
+/// Scenes from the finest to the coarsest as levels, each with the least height on the screen that it is for.
+fn in_turn(scenes: Vec<Scene>, detail: &DetailSettings) -> Vec<Level> {
+    // As many triangles per pixel in each: the height goes with the root of their number.
+    let step = (detail.lod_ratio as f32).sqrt();
+    let most = scenes[0].triangles().max(1) as f32;
+    let is_listed = !detail.budgets().is_empty();
+    let last = scenes.len() - 1;
+    let mut coverage = NEAR / step;
+    let level = |(index, scene): (usize, Scene)| {
+        coverage *= step;
+        let listed = NEAR * (scene.triangles() as f32 / most).sqrt();
+        let threshold = if is_listed { listed } else { coverage };
+        Level { scene, coverage: if index == last { 0.0 } else { threshold } }
+    };
+    scenes.into_iter().enumerate().map(level).collect()
 }
 
 impl Simplifier<'_> {
