@@ -321,19 +321,10 @@ impl Round {
             .collect()
     }
 
-    /// Radii of all nodes; `None` where no circle is believed.
-    fn girth(&self, branching: &Branching, twig_m: Option<f64>) -> Option<Girth> {
-        let Branching { positions, parents, .. } = branching;
-        let length_m = |node: usize| f64::from(positions[node].distance(positions[parents[node] as usize]));
-        let growth_m = growth_lengths_m(parents, length_m);
-        let mut seen: Vec<Option<f64>> = vec![None; positions.len()];
-        let mut is_sure = vec![false; positions.len()];
-        for axis in self.axes.iter().filter(|axis| axis.parent == NO_PARENT) {
-            for &node in self.nodes(axis) {
-                is_sure[node as usize] = self.is_sure(node);
-            }
-        }
-        let mut fits = vec![RadiusFit::GUESSED; positions.len()];
+    /// Radii of nodes whose circles are believed, shrinking along each axis, and what bears them out.
+    fn believed_radii(&self, branching: &Branching) -> (Vec<Option<f64>>, Vec<RadiusFit>) {
+        let mut seen: Vec<Option<f64>> = vec![None; branching.positions.len()];
+        let mut fits = vec![RadiusFit::GUESSED; branching.positions.len()];
         for axis in &self.axes {
             let nodes = self.nodes(axis);
             let along_m = self.along_m(axis, branching);
@@ -354,6 +345,21 @@ impl Round {
                 };
             }
         }
+        (seen, fits)
+    }
+
+    /// Radii of all nodes; `None` where no circle is believed.
+    fn girth(&self, branching: &Branching, twig_m: Option<f64>) -> Option<Girth> {
+        let Branching { positions, parents, .. } = branching;
+        let length_m = |node: usize| f64::from(positions[node].distance(positions[parents[node] as usize]));
+        let growth_m = growth_lengths_m(parents, length_m);
+        let (mut seen, mut fits) = self.believed_radii(branching);
+        let mut is_sure = vec![false; positions.len()];
+        for axis in self.axes.iter().filter(|axis| axis.parent == NO_PARENT) {
+            for &node in self.nodes(axis) {
+                is_sure[node as usize] = self.is_sure(node);
+            }
+        }
         let known: Vec<Looked> = (0..positions.len())
             .filter_map(|node| {
                 let places = self.looked[node]?.places;
@@ -366,15 +372,7 @@ impl Round {
         for node in (0..positions.len()).filter(is_unknown) {
             (seen[node], fits[node]) = (None, RadiusFit::GUESSED);
         }
-        // What measured wood further out has at least.
-        let mut least = vec![0.0_f64; positions.len()];
-        for node in (0..positions.len()).rev() {
-            let own = seen[node].unwrap_or(least[node]);
-            if parents[node] != NO_PARENT {
-                let below = &mut least[parents[node] as usize];
-                *below = below.max(own);
-            }
-        }
+        let least = least_radii(parents, &seen);
         let mut radii = vec![0.0_f64; positions.len()];
         for axis in &self.axes {
             let nodes = self.nodes(axis);
@@ -422,6 +420,19 @@ impl Round {
         let placed = Placed { positions: positions.clone(), parents: parents.clone(), nearest: Vec::new() };
         Some(Girth { radii: radii.iter().map(|&r| r as f32).collect(), fits, measured, placed })
     }
+}
+
+/// Radii that nodes have at least: those that were seen on the wood that they bear.
+fn least_radii(parents: &[u32], seen: &[Option<f64>]) -> Vec<f64> {
+    let mut least = vec![0.0_f64; parents.len()];
+    for node in (0..parents.len()).rev() {
+        let own = seen[node].unwrap_or(least[node]);
+        if parents[node] != NO_PARENT {
+            let below = &mut least[parents[node] as usize];
+            *below = below.max(own);
+        }
+    }
+    least
 }
 
 fn height_m(positions: &[Vec3]) -> f64 {

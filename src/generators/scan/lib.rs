@@ -72,6 +72,7 @@ mod sample;
 mod sections;
 mod segments;
 mod settings;
+mod starts;
 mod stems;
 mod stretch;
 mod surface;
@@ -90,6 +91,7 @@ use self::graph::Graph;
 use self::links::{LinkedTo, links_within, without};
 use self::neighbours::Neighbours;
 use self::sections::Sections;
+use self::starts::Starts;
 use self::trunk::Trunk;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -299,25 +301,8 @@ pub fn prepare_distinct(
     let trunks = standing(&mut feet, &bark, ground, spacing_m, monitor)?;
     let foot = &feet[0];
     let graph = Graph::linked(thinned, nearest, REACH * detail_m, monitor)?;
-    // All around each stem, so that sections lie across it from the start.
-    let nearest: Vec<Option<DVec3>> = feet
-        .iter()
-        .map(|foot| {
-            let away = |p: &DVec3| p.distance_squared(foot.root);
-            graph.points.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)))
-        })
-        .collect();
-    let start = |p: DVec3| {
-        let height = |(foot, nearest): (&Foot, &Option<DVec3>)| {
-            let up = (p.y - foot.root.y).max(0.0);
-            let away = DVec3::new(p.x - foot.root.x, 0.0, p.z - foot.root.z).length();
-            let is_foot = away <= foot.radius_m && up <= foot.ground_m;
-            (is_foot || Some(p) == *nearest).then_some(up)
-        };
-        // On the bark of a trunk whose axis is known the way is as long as that.
-        let along = trunks.iter().find_map(|(_, trunk)| trunk.place(p));
-        along.map(|(_, along_m)| along_m).or_else(|| feet.iter().zip(&nearest).find_map(height))
-    };
+    let starts = Starts::new(&feet, &trunks, &graph.points);
+    let start = |p: DVec3| starts.along_m(p);
     let mut ways = graph.ways(start, &[], monitor)?;
     let scanned = bark.len();
     let mut leaf_nodes = Vec::new();

@@ -74,11 +74,43 @@ impl FileAxes {
 /// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
 pub(crate) fn at_points(
     settings: &ScanSettings,
-    &Given { points, is_leaf, ground, others, up: usual, is_up_sure, scale, may_be_plot }: &Given<'_>,
+    given: &Given<'_>,
     key: Key,
     what: As,
     monitor: &dyn Monitor,
 ) -> Result<Prepared, ScanGrowthError> {
+    let mut upright = upright(settings, given, what, monitor)?;
+    let origin = middle(&upright.points);
+    recenter(&mut upright.points, origin);
+    recenter(&mut upright.ground, origin);
+    let given_root = settings.growth.given_root(upright.axes.up).map(|root| root - origin);
+    if settings.contract && what == As::Settings {
+        on_bark(settings, upright, (origin, given_root), monitor)
+    } else {
+        in_volume(settings, upright, (origin, given_root), key, what, monitor)
+    }
+}
+
+/// Points in metres, Y up, without what is no point of the tree.
+struct Upright {
+    points: Vec<DVec3>,
+    is_leaf: Option<Vec<bool>>,
+    /// Points of the ground below them.
+    ground: Vec<DVec3>,
+    axes: FileAxes,
+    repeated: usize,
+    no_returns: usize,
+    far_points: usize,
+    notes: Vec<String>,
+}
+
+/// Points of a file set upright, in metres, and cleaned of what its scanner saw beside the tree.
+fn upright(
+    settings: &ScanSettings,
+    &Given { points, is_leaf, ground, others, up: usual, is_up_sure, scale, may_be_plot }: &Given<'_>,
+    what: As,
+    monitor: &dyn Monitor,
+) -> Result<Upright, ScanGrowthError> {
     let mut notes = Vec::new();
     // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
     let given = points;
@@ -118,36 +150,53 @@ pub(crate) fn at_points(
     if is_scan && what == As::Settings {
         notes.extend(looks::notes(&points, &ground, may_be_plot, monitor)?);
     }
-    let origin = middle(&points);
-    recenter(&mut points, origin);
-    recenter(&mut ground, origin);
-    let given_root = settings.growth.given_root(up).map(|root| root - origin);
-    if settings.contract && what == As::Settings {
-        let rule = rule_of(settings, given_root.is_some());
-        let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &ground, &rule, monitor)?;
-        scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
-        notes.extend(scan_notes(&scan, &rule));
-        let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
-        let root = roots.next().unwrap_or_default();
-        let others = roots.map(|root| Stem { root, trunk_m: settings.growth.trunk_m, crown: None }).collect();
-        let site = Site {
-            points: scan.points,
-            held_bytes: bytes_of::<DVec3>(scan.bark.capacity()),
-            root,
-            grove: Grove { others, ..Grove::default() },
-            origin,
-            suggested: Suggested {
-                step_m: scan.step_m,
-                kill: Length::Metres(scan.kill_m),
-                influence: Length::Metres(scan.influence_m),
-                trunk_m: None,
-            },
-            moves_to_root: true,
-            notes,
-        };
-        let leaf_points = scan.report.leaf_points;
-        return Ok(Prepared { site, bark: Some(scan.bark), leaf_points, axes });
-    }
+    Ok(Upright { points, is_leaf, ground, axes, repeated, no_returns, far_points, notes })
+}
+
+/// A scan as what grows along its bark is given it. The root is given where it is known.
+fn on_bark(
+    settings: &ScanSettings,
+    upright: Upright,
+    (origin, given_root): (DVec3, Option<DVec3>),
+    monitor: &dyn Monitor,
+) -> Result<Prepared, ScanGrowthError> {
+    let Upright { points, is_leaf, ground, axes, repeated, no_returns, far_points, mut notes } = upright;
+    let rule = rule_of(settings, given_root.is_some());
+    let mut scan = crate::prepare_distinct(&points, is_leaf.as_deref(), &ground, &rule, monitor)?;
+    scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
+    notes.extend(scan_notes(&scan, &rule));
+    let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
+    let root = roots.next().unwrap_or_default();
+    let others = roots.map(|root| Stem { root, trunk_m: settings.growth.trunk_m, crown: None }).collect();
+    let site = Site {
+        points: scan.points,
+        held_bytes: bytes_of::<DVec3>(scan.bark.capacity()),
+        root,
+        grove: Grove { others, ..Grove::default() },
+        origin,
+        suggested: Suggested {
+            step_m: scan.step_m,
+            kill: Length::Metres(scan.kill_m),
+            influence: Length::Metres(scan.influence_m),
+            trunk_m: None,
+        },
+        moves_to_root: true,
+        notes,
+    };
+    let leaf_points = scan.report.leaf_points;
+    Ok(Prepared { site, bark: Some(scan.bark), leaf_points, axes })
+}
+
+/// Points that fill a crown as what grows into it is given them.
+fn in_volume(
+    settings: &ScanSettings,
+    upright: Upright,
+    (origin, given_root): (DVec3, Option<DVec3>),
+    key: Key,
+    what: As,
+    monitor: &dyn Monitor,
+) -> Result<Prepared, ScanGrowthError> {
+    let Upright { mut points, ground, axes, mut notes, .. } = upright;
     let mut ground_m = None;
     if what == As::Canopy {
         let before = points.len();

@@ -33,6 +33,26 @@ fn middle(points: &mut [DVec3]) -> DVec3 {
     }))
 }
 
+/// How far apart points of one cross-section are at most, where wood is so thick, metres.
+fn joined_m(reach_m: f64, thick_m: f64) -> f64 {
+    thick_m.clamp(JOINED * reach_m, reach_m)
+}
+
+/// Which of some sections are leaves that end soon.
+fn blades(
+    ways: &Ways,
+    leaves: &[bool],
+    mut section_of: impl FnMut(u32) -> usize,
+    sections: usize,
+) -> Vec<bool> {
+    let mut spans_m = vec![(f64::INFINITY, 0.0_f64); sections];
+    for (i, beyond_m) in ways.beyond_m().into_iter().enumerate().filter(|&(i, _)| leaves[i]) {
+        let span = &mut spans_m[section_of(i as u32)];
+        *span = (span.0.min(ways.length[i]), span.1.max(ways.length[i] + beyond_m));
+    }
+    spans_m.into_iter().map(|(from_m, to_m)| to_m > 0.0 && to_m - from_m < BLADE_M).collect()
+}
+
 /// Centres of cross-sections and the section each hangs on.
 pub(super) struct Sections {
     /// The roots, then sections before those that hang on them.
@@ -66,10 +86,8 @@ impl Sections {
         for (a, b) in graph.pairs().filter(|&(a, b)| a < b && level(a) == level(b)) {
             let is_off = on_trunk[a as usize].is_none() && on_trunk[b as usize].is_none();
             let is_same = leaves.is_empty() || leaves[a as usize] == leaves[b as usize];
-            if is_off && is_same && {
-                let thick_m = 2.0 * radii_m[a as usize].max(radii_m[b as usize]);
-                graph.distance(a, b) <= thick_m.clamp(JOINED * graph.reach, graph.reach)
-            } {
+            let thick_m = || 2.0 * radii_m[a as usize].max(radii_m[b as usize]);
+            if is_off && is_same && graph.distance(a, b) <= joined_m(graph.reach, thick_m()) {
                 pieces.join(a, b);
             }
         }
@@ -131,30 +149,30 @@ impl Sections {
             shards[*parent as usize] = false;
         }
         if !leaves.is_empty() {
-            let mut spans_m = vec![(f64::INFINITY, 0.0_f64); parents.len()];
-            for (i, beyond_m) in ways.beyond_m().into_iter().enumerate().filter(|&(i, _)| leaves[i]) {
-                let span = &mut spans_m[section_of[pieces.of(i as u32) as usize] as usize];
-                *span = (span.0.min(ways.length[i]), span.1.max(ways.length[i] + beyond_m));
-            }
-            for (shard, (from_m, to_m)) in shards.iter_mut().zip(spans_m) {
-                *shard |= to_m > 0.0 && to_m - from_m < BLADE_M;
-            }
+            let is_blade =
+                blades(ways, leaves, |i| section_of[pieces.of(i) as usize] as usize, parents.len());
+            shards.iter_mut().zip(is_blade).for_each(|(shard, is_blade)| *shard |= is_blade);
         }
         let mut sections = Self { centres, parents, sizes, shards };
-        // The foot is a start as a whole, some sections high: one above the other.
-        for i in first_section..sections.centres.len() {
-            if sections.parents[i].is_none() {
-                let centre = sections.centres[i];
-                let away = |j: &u32| sections.centres[*j as usize].distance_squared(centre);
+        sections.hang_starts(first_section);
+        sections.end_at(&ends);
+        sections
+    }
+
+    /// Hangs sections from `first` on that hang on none on the nearest one before them: the foot is a start as a whole, some
+    /// sections high, one above the other.
+    fn hang_starts(&mut self, first: usize) {
+        for i in first..self.centres.len() {
+            if self.parents[i].is_none() {
+                let centre = self.centres[i];
+                let away = |j: &u32| self.centres[*j as usize].distance_squared(centre);
                 let nearest = (0..i as u32).min_by(|a, b| away(a).total_cmp(&away(b)));
-                sections.parents[i] = nearest;
+                self.parents[i] = nearest;
                 if let Some(parent) = nearest {
-                    sections.shards[parent as usize] = false;
+                    self.shards[parent as usize] = false;
                 }
             }
         }
-        sections.end_at(&ends);
-        sections
     }
 
     /// Lets each section that none hangs on end where its last point is, not in its middle.
