@@ -88,6 +88,45 @@ fn about(number: usize, parts: &[CrownPart], problem: PartError) -> Colonization
     }
 }
 
+/// What becomes of a crown that is whole: its outline is dented, and points gather where the settings want them.
+struct Finish<'a> {
+    settings: &'a Colonization,
+    seed: u64,
+    monitor: &'a dyn Monitor,
+}
+
+impl Finish<'_> {
+    /// The crown of a tree, which has dents of its own by its number.
+    fn crown(&self, crown: Box<dyn Crown>, tree: u64) -> Result<Box<dyn Crown>, Cancelled> {
+        self.favored(self.dented(crown, tree)?)
+    }
+
+    fn dented(&self, crown: Box<dyn Crown>, tree: u64) -> Result<Box<dyn Crown>, Cancelled> {
+        let unevenness = self.settings.unevenness;
+        if unevenness == 0.0 {
+            return Ok(crown);
+        }
+        let key = Key::new(self.seed).named("unevenness").child(tree);
+        Ok(Box::new(Uneven::new(crown, unevenness, key, self.monitor)?))
+    }
+
+    fn favored(&self, crown: Box<dyn Crown>) -> Result<Box<dyn Crown>, Cancelled> {
+        let favor = Favor { shell: self.settings.shell_density, top: self.settings.top_density };
+        let clumps = self.clumps(&*crown);
+        if favor == Favor::default() && clumps.is_none() {
+            return Ok(crown);
+        }
+        Ok(Box::new(Favored::new(crown, favor, clumps, self.monitor)?))
+    }
+
+    fn clumps(&self, crown: &dyn Crown) -> Option<Clumps> {
+        let share = self.settings.clumps;
+        let auto = || CLUMP_PER_SIZE * f64::from(crown.bounds().size().max_element());
+        let size_m = self.settings.clump_size_m.unwrap_or_else(auto);
+        (share > 0.0).then(|| Clumps { share, size_m, key: Key::new(self.seed).named("clumps") })
+    }
+}
+
 impl Standing {
     /// Adds the parts of the preset and lets points gather where it wants them. Without either, the
     /// crown is what it was.
@@ -98,30 +137,10 @@ impl Standing {
         inputs: &Inputs,
         monitor: &dyn Monitor,
     ) -> Result<Self, ColonizationError> {
-        let favor = Favor { shell: settings.shell_density, top: settings.top_density };
-        let clumps = |crown: &dyn Crown| {
-            let auto = || CLUMP_PER_SIZE * f64::from(crown.bounds().size().max_element());
-            let size_m = settings.clump_size_m.unwrap_or_else(auto);
-            let key = Key::new(seed).named("clumps");
-            (settings.clumps > 0.0).then_some(Clumps { share: settings.clumps, size_m, key })
-        };
-        let dented = |crown: Box<dyn Crown>, tree: u64| -> Result<Box<dyn Crown>, Cancelled> {
-            if settings.unevenness == 0.0 {
-                return Ok(crown);
-            }
-            let key = Key::new(seed).named("unevenness").child(tree);
-            Ok(Box::new(Uneven::new(crown, settings.unevenness, key, monitor)?))
-        };
-        let favored = |crown: Box<dyn Crown>| -> Result<Box<dyn Crown>, Cancelled> {
-            let clumps = clumps(&*crown);
-            if favor == Favor::default() && clumps.is_none() {
-                return Ok(crown);
-            }
-            Ok(Box::new(Favored::new(crown, favor, clumps, monitor)?))
-        };
+        let finish = Finish { settings, seed, monitor };
         let parts = &settings.parts;
         if parts.is_empty() {
-            self.crown = favored(dented(self.crown, 0)?)?;
+            self.crown = finish.crown(self.crown, 0)?;
             return Ok(self);
         }
         if parts.iter().any(|part| matches!(part.role, Role::Add | Role::Subtract)) && self.trees() > 1 {
@@ -169,7 +188,7 @@ impl Standing {
         }
         let mut crowns: Vec<Arc<dyn Crown>> = Vec::with_capacity(trees.len());
         for (number, tree) in (0..).zip(&mut trees) {
-            crowns.push(Arc::from(favored(dented(tree.crown(parts, monitor)?, number)?)?));
+            crowns.push(Arc::from(finish.crown(tree.crown(parts, monitor)?, number)?));
         }
         if crowns.len() > 1 {
             if trees_of_shells == 0 {
