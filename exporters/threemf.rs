@@ -7,13 +7,14 @@
 
 use std::io;
 
+use linden_pipeline::knob::listed;
 use linden_pipeline::stage::{Motion, Stage};
 use linden_pipeline::{Monitor, Vec3};
 
 use crate::markup::{escaped, unescaped};
 use crate::usda::package::{self, Package};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
-use crate::writing::{fit, listed, mean_digits, memory, pictures::srgb, records, turned_colors};
+use crate::writing::{fit, mean_digits, memory, pictures::srgb, records, turned_colors};
 use crate::{
     Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, OptionSpec, Options,
     Readable, Sink, recipe,
@@ -91,7 +92,7 @@ impl Exporter for ThreeMf {
         if !colors.is_empty() {
             bundle.note(format!(
                 "3mf has one colour for each part, and no pictures: what else is to be seen of {} is left out",
-                listed(&colors)
+                listed(&colors, "and")
             ));
         }
         let distinct = DistinctMeshes::of(stage, monitor)?;

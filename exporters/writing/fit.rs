@@ -1,6 +1,7 @@
 //! A stage as far as a format holds it, and what is said of the rest: nothing that was asked for is left
 //! out in silence.
 
+use linden_pipeline::knob::listed;
 use linden_pipeline::preset::{KNOBS, Section};
 use linden_pipeline::stage::{Plant, Stage};
 
@@ -66,19 +67,10 @@ const SHOWN: [&str; 41] = [
     "billboard_size",
 ];
 
-/// `a, b and c`.
-pub(crate) fn listed(names: &[&str]) -> String {
-    match names {
-        [] => String::new(),
-        [one] => (*one).to_owned(),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
-}
-
 /// The formats that hold something: `gltf, glb, usda and usdz`.
 fn holders(holds: impl Fn(&Holds) -> bool) -> String {
     let formats = REGISTRY.iter().map(|exporter| exporter.format());
-    listed(&formats.filter(|format| holds(&format.holds)).map(|format| format.id).collect::<Vec<_>>())
+    listed(formats.filter(|format| holds(&format.holds)).map(|format| format.id), "and")
 }
 
 /// The stage as far as a format holds it: in one season where it holds one. What it does not hold of what
@@ -135,7 +127,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         if !names.is_empty() {
             let change = if names.len() == 1 { "changes" } else { "change" };
             let what = if holds.organs { "no surface" } else { "the skeleton alone" };
-            bundle.note(format!("{id} holds {what}: {} {change} nothing in it", listed(&names)));
+            bundle.note(format!("{id} holds {what}: {} {change} nothing in it", listed(&names, "and")));
         }
         note_seasons(stage, format, bundle);
         return stage.in_season(0);
@@ -145,7 +137,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         let others = holders(|holds| holds.colors);
         bundle.note(format!(
             "{id} holds no colours and pictures: what {} {} of them is left out; {others} hold them",
-            listed(&shown),
+            listed(&shown, "and"),
             if shown.len() == 1 { "changes" } else { "change" },
         ));
     }
@@ -168,7 +160,8 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         }
         let are = if names.len() == 1 { "is" } else { "are" };
         let others = holders(|holds| holds.wind);
-        bundle.note(format!("{id} holds no wind: {} {are} left out; {others} hold it", listed(&names)));
+        bundle
+            .note(format!("{id} holds no wind: {} {are} left out; {others} hold it", listed(&names, "and")));
     }
     if stage.setting.is_some() && !holds.setting {
         let others = holders(|holds| holds.setting);

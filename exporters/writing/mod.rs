@@ -102,7 +102,7 @@ pub mod validate;
 
 pub(crate) use self::asked::{has_bones, note_asked};
 pub use self::fit::fit;
-pub(crate) use self::fit::{listed, turned_colors};
+pub(crate) use self::fit::turned_colors;
 pub use self::names::{identifier, one_word};
 pub use crate::estimate::mean_digits;
 pub use crate::recipe::{comments, in_comments as recipe_in_comments};

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::grammar::Grammar;
-use linden_base::knob::printable;
+use linden_base::knob::{listed, printable};
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
 use linden_skeleton::organs::PROTOTYPES;
@@ -145,9 +145,9 @@ pub enum Problem {
     /// Keys that must stand somewhere do not.
     #[error(
         "no line says {}; add {} like {}",
-        listed(.keys, "or", |key, _| format!("'{key}=…'")),
+        listed(.keys.iter().map(|(key, _)| format!("'{key}=…'")), "or"),
         if .keys.len() == 1 { "one" } else { "lines" },
-        listed(.keys, "and", |key, like| format!("'{key} = {like}'"))
+        listed(.keys.iter().map(|(key, like)| format!("'{key} = {like}'")), "and")
     )]
     Missing {
         /// Each with a value that it may have.
@@ -158,15 +158,6 @@ pub enum Problem {
 impl Problem {
     pub(super) fn expected(expected: impl Into<String>, found: Option<char>) -> Self {
         Self::Expected { expected: expected.into(), found: found.map_or("the end".into(), quoted) }
-    }
-}
-
-/// Keys in words: `a, b and c`.
-fn listed(keys: &[(&'static str, &'static str)], last: &str, shown: impl Fn(&str, &str) -> String) -> String {
-    let mut words: Vec<String> = keys.iter().map(|(key, like)| shown(key, like)).collect();
-    match (words.pop(), words.is_empty()) {
-        (Some(end), false) => format!("{} {last} {end}", words.join(", ")),
-        (end, _) => end.unwrap_or_default(),
     }
 }
 
