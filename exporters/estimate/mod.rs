@@ -12,6 +12,7 @@ mod seconds;
 
 use std::collections::BTreeSet;
 
+use linden_pipeline::Skeleton;
 use linden_pipeline::forecast::Sample;
 use linden_pipeline::grow::Grown;
 use linden_pipeline::monitor::{Cancelled, Monitor};
@@ -89,24 +90,7 @@ impl Estimate {
         let of_wood = |count: u64| (count as f64 * wood_times) as u64;
         let of_leaves = |count: u64| (count as f64 * leaf_times) as u64;
         let skeleton = &grown.skeleton;
-        let tubes = match tubes.junction {
-            Junction::Watertight => Tubes { junction: Junction::Overlap, ..*tubes },
-            _ => *tubes,
-        };
-        let (mut vertices, mut triangles) = (0, 0);
-        match surface::count(skeleton, &tubes, monitor) {
-            Ok(counts) => {
-                // A larger tree has no more roots than its sample.
-                let roots = [0, 1].map(|i| counts.iter().map(|count| count.roots[i] as u64).sum::<u64>());
-                let all = [0, 1].map(|i| {
-                    counts.iter().map(|count| [count.vertices, count.triangles][i] as u64).sum::<u64>()
-                });
-                [vertices, triangles] = [0, 1].map(|i| of_wood(all[i] - roots[i]) + roots[i]);
-            }
-            Err(SurfaceError::Cancelled(cancelled)) => return Err(cancelled),
-            // Counting finds nothing else.
-            Err(_) => {}
-        }
+        let [vertices, triangles] = amount_of_wood(skeleton, tubes, wood_times, monitor)?;
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
         let (foliage_vertices, foliage_triangles) =
             (of_leaves(foliage_vertices), of_leaves(foliage_triangles));
@@ -281,6 +265,31 @@ impl Estimate {
     fn level_count(&self) -> usize {
         self.levels.len() + usize::from(self.billboard_bytes > 0)
     }
+}
+
+/// Vertices and triangles of a skeleton's surface, multiplied.
+fn amount_of_wood(
+    skeleton: &Skeleton,
+    tubes: &Tubes,
+    times: f64,
+    monitor: &dyn Monitor,
+) -> Result<[u64; 2], Cancelled> {
+    let tubes = match tubes.junction {
+        Junction::Watertight => Tubes { junction: Junction::Overlap, ..*tubes },
+        _ => *tubes,
+    };
+    let counts = match surface::count(skeleton, &tubes, monitor) {
+        Ok(counts) => counts,
+        Err(SurfaceError::Cancelled(cancelled)) => return Err(cancelled),
+        // Counting finds nothing else.
+        Err(_) => return Ok([0; 2]),
+    };
+    Ok([0, 1].map(|i| {
+        // A larger tree has no more roots than its sample.
+        let roots = counts.iter().map(|count| count.roots[i] as u64).sum::<u64>();
+        let all = counts.iter().map(|count| [count.vertices, count.triangles][i] as u64).sum::<u64>();
+        ((all - roots) as f64 * times) as u64 + roots
+    }))
 }
 
 /// What stands around the meshes of a further level.

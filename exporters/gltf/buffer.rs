@@ -138,38 +138,12 @@ impl Layout {
             });
             let normal_picture = distinct.materials[*material].material.normal_picture.as_ref();
             let with_tangents = pictures::index_of(pictures, normal_picture).is_some();
-            if let Some((cube, range)) = packing {
-                let i8s = ComponentType::I8;
-                layout.push_packed(count, "VEC3", ComponentType::U16, 8);
-                layout.push_packed(count, "VEC3", i8s, 4);
-                match range {
-                    Some(_) => layout.push_packed(count, "VEC2", ComponentType::U16, 4),
-                    None => layout.push(count, "VEC2", ComponentType::F32, 8, ARRAY_BUFFER),
-                }
-                if with_tangents {
-                    layout.push_packed(count, "VEC4", i8s, 4);
-                }
-                let steps = |point| Some(cube.steps(point).map(f32::from).to_vec());
-                layout.accessors[first].min = steps(bounds.min);
-                layout.accessors[first].max = steps(bounds.max);
-            } else {
-                let f32s = |layout: &mut Self, shape, bytes| {
-                    layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
-                };
-                f32s(&mut layout, "VEC3", 12);
-                f32s(&mut layout, "VEC3", 12);
-                f32s(&mut layout, "VEC2", 8);
-                layout.accessors[first].min = Some(bounds.min.to_array().to_vec());
-                layout.accessors[first].max = Some(bounds.max.to_array().to_vec());
-                if with_tangents {
-                    f32s(&mut layout, "VEC4", 16);
-                }
-            }
+            layout.push_geometry(count, *bounds, packing, with_tangents);
             let lightmap = lightmap.as_ref().map(|_| {
                 if packing.is_some() {
                     layout.push_packed(count, "VEC2", ComponentType::U16, 4);
                 } else {
-                    layout.push(count, "VEC2", ComponentType::F32, 8, ARRAY_BUFFER);
+                    layout.push_vertices(count, "VEC2", 8);
                 }
                 layout.accessors.len() - 1
             });
@@ -193,6 +167,35 @@ impl Layout {
             });
         }
         layout
+    }
+
+    /// Lays out positions, normals, texture coordinates and tangents, in fewer bits where they are packed.
+    fn push_geometry(&mut self, count: usize, bounds: Bounds, packing: Option<Packing>, with_tangents: bool) {
+        let first = self.accessors.len();
+        let extent = if let Some((cube, range)) = packing {
+            self.push_packed(count, "VEC3", ComponentType::U16, 8);
+            self.push_packed(count, "VEC3", ComponentType::I8, 4);
+            if range.is_some() {
+                self.push_packed(count, "VEC2", ComponentType::U16, 4);
+            } else {
+                self.push_vertices(count, "VEC2", 8);
+            }
+            if with_tangents {
+                self.push_packed(count, "VEC4", ComponentType::I8, 4);
+            }
+            [bounds.min, bounds.max].map(|point| cube.steps(point).map(f32::from).to_vec())
+        } else {
+            self.push_vertices(count, "VEC3", 12);
+            self.push_vertices(count, "VEC3", 12);
+            self.push_vertices(count, "VEC2", 8);
+            if with_tangents {
+                self.push_vertices(count, "VEC4", 16);
+            }
+            [bounds.min, bounds.max].map(|point| point.to_array().to_vec())
+        };
+        let [min, max] = extent.map(Some);
+        let positions = &mut self.accessors[first];
+        (positions.min, positions.max) = (min, max);
     }
 
     /// Lays out a mesh's wind behind its other arrays, with targets for some motions: one that this part

@@ -49,7 +49,7 @@ use self::options::{
     is_wind_packed, levels_by, note_translucency, sways, with_lightmap,
 };
 use self::pivots::Pivots;
-use self::quantize::Range;
+use self::quantize::{Quanta, Range};
 use self::wind::WindAs;
 use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
@@ -391,7 +391,6 @@ fn embedded(pictures: &[NamedPicture<'_>], layout: &mut Layout) -> Result<Vec<Im
 }
 
 /// The document, but for the buffer's URI. `sources` tells where each picture is.
-#[allow(clippy::too_many_lines, reason = "a list of what the document holds, one after the other")]
 fn document(
     stage: &Stage<'_>,
     distinct: &DistinctMeshes<'_>,
@@ -401,50 +400,7 @@ fn document(
     layout: &mut Layout,
     monitor: &dyn Monitor,
 ) -> Result<Document, ExportError> {
-    let quanta = layout.quanta.as_ref();
-    let texture = |look: usize, picture| {
-        let index = pictures::index_of(pictures, picture)?;
-        let range = quanta.and_then(|quanta| quanta.range(look));
-        let extensions = range.map(|Range { offset, scale }| TextureExtensions {
-            transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
-        });
-        Some(TextureInfo { index, extensions })
-    };
-    let unlit = distinct.dome.as_ref().map(|dome| dome.material);
-    let is_translucent = options.is_on("translucency");
-    let materials: Vec<Material> = distinct
-        .materials
-        .iter()
-        .enumerate()
-        .map(|(index, NamedMaterial { name, material, .. })| {
-            let base_color_texture = texture(index, material.base_color_picture.as_ref());
-            // The two are multiplied, and the picture is to be used as it is.
-            // Without its picture there is nothing to cut.
-            let cutout = material.cutout.filter(|_| base_color_texture.is_some());
-            let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
-            Material {
-                name: name.clone(),
-                pbr_metallic_roughness: PbrMetallicRoughness {
-                    base_color_factor: [r, g, b, 1.0],
-                    base_color_texture,
-                    metallic_factor: 0.0,
-                    roughness_factor: material.roughness,
-                },
-                normal_texture: texture(index, material.normal_picture.as_ref()),
-                double_sided: material.double_sided,
-                alpha_mode: cutout.map(|_| "MASK"),
-                alpha_cutoff: cutout,
-                extensions: if unlit == Some(index) {
-                    Some(MaterialExtensions::unlit())
-                } else {
-                    let through = material.translucency.filter(|_| is_translucent);
-                    let [color, share] = [&material.base_color_picture, &material.passing_picture]
-                        .map(|picture| texture(index, picture.as_ref()));
-                    through.map(|through| passing(through, color, share, material.base_color))
-                },
-            }
-        })
-        .collect();
+    let materials = materials(distinct, pictures, layout.quanta.as_ref(), options.is_on("translucency"));
     let has_translucent = materials
         .iter()
         .any(|material| material.extensions.as_ref().is_some_and(|all| all.diffuse_transmission.is_some()));
@@ -481,15 +437,7 @@ fn document(
         mime_type: named.format.media_type(),
         source,
     });
-    let mut wraps: Vec<Wrap> = pictures.iter().map(|named| named.wrap).collect();
-    wraps.sort_unstable_by_key(|wrap| *wrap == Wrap::Clamp);
-    wraps.dedup();
-    let sampler = |wrap| wraps.iter().position(|known| *known == wrap).unwrap_or_default();
-    let texture = |(source, named): (usize, &NamedPicture<'_>)| match named.format {
-        PictureFormat::Webp => Texture::of_webp(sampler(named.wrap), source),
-        PictureFormat::Png | PictureFormat::Jpeg => Texture::new(sampler(named.wrap), source),
-    };
-    let textures: Vec<Texture> = (0..).zip(pictures).map(texture).collect();
+    let (wraps, textures) = textures(pictures);
     if pictures.iter().any(|named| named.format == PictureFormat::Webp) {
         extensions.push(WEBP);
         required.push(WEBP);
@@ -517,6 +465,71 @@ fn document(
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     })
+}
+
+/// The materials, each with the pictures that are written. With quantized meshes textures lie in their ranges.
+fn materials(
+    distinct: &DistinctMeshes<'_>,
+    pictures: &[NamedPicture<'_>],
+    quanta: Option<&Quanta>,
+    is_translucent: bool,
+) -> Vec<Material> {
+    let texture = |look: usize, picture| {
+        let index = pictures::index_of(pictures, picture)?;
+        let range = quanta.and_then(|quanta| quanta.range(look));
+        let extensions = range.map(|Range { offset, scale }| TextureExtensions {
+            transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
+        });
+        Some(TextureInfo { index, extensions })
+    };
+    let unlit = distinct.dome.as_ref().map(|dome| dome.material);
+    distinct
+        .materials
+        .iter()
+        .enumerate()
+        .map(|(index, NamedMaterial { name, material, .. })| {
+            let base_color_texture = texture(index, material.base_color_picture.as_ref());
+            // The two are multiplied, and the picture is to be used as it is.
+            // Without its picture there is nothing to cut.
+            let cutout = material.cutout.filter(|_| base_color_texture.is_some());
+            let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
+            Material {
+                name: name.clone(),
+                pbr_metallic_roughness: PbrMetallicRoughness {
+                    base_color_factor: [r, g, b, 1.0],
+                    base_color_texture,
+                    metallic_factor: 0.0,
+                    roughness_factor: material.roughness,
+                },
+                normal_texture: texture(index, material.normal_picture.as_ref()),
+                double_sided: material.double_sided,
+                alpha_mode: cutout.map(|_| "MASK"),
+                alpha_cutoff: cutout,
+                extensions: if unlit == Some(index) {
+                    Some(MaterialExtensions::unlit())
+                } else {
+                    let through = material.translucency.filter(|_| is_translucent);
+                    let [color, share] = [&material.base_color_picture, &material.passing_picture]
+                        .map(|picture| texture(index, picture.as_ref()));
+                    through.map(|through| passing(through, color, share, material.base_color))
+                },
+            }
+        })
+        .collect()
+}
+
+/// A texture for each picture, and how its sampler wraps: samplers are those of all ways to wrap.
+fn textures(pictures: &[NamedPicture<'_>]) -> (Vec<Wrap>, Vec<Texture>) {
+    let mut wraps: Vec<Wrap> = pictures.iter().map(|named| named.wrap).collect();
+    wraps.sort_unstable_by_key(|wrap| *wrap == Wrap::Clamp);
+    wraps.dedup();
+    let sampler = |wrap| wraps.iter().position(|known| *known == wrap).unwrap_or_default();
+    let texture = |(source, named): (usize, &NamedPicture<'_>)| match named.format {
+        PictureFormat::Webp => Texture::of_webp(sampler(named.wrap), source),
+        PictureFormat::Png | PictureFormat::Jpeg => Texture::new(sampler(named.wrap), source),
+    };
+    let textures = (0..).zip(pictures).map(texture).collect();
+    (wraps, textures)
 }
 
 /// Light that passes, in the colours of a texture or in one.

@@ -155,27 +155,7 @@ pub(super) fn nodes(
     if let Some(setting) = &stage.setting {
         extensions.extend(setting::EXTENSIONS);
         let first = nodes.len();
-        let offset = arrays.len() - distinct.surroundings().count();
-        for (piece, index) in distinct.surroundings().zip(offset..) {
-            let name = piece.name.to_string();
-            let mesh = Some(meshes.len());
-            let node = || Node { name: name.clone(), mesh, ..Node::default() };
-            let instancing = copies.get(index).copied().flatten();
-            let extensions = NodeExtensions { instancing, ..NodeExtensions::default() };
-            match &piece.copies {
-                Some(MeshCopies { placements, .. }) if instancing.is_none() => {
-                    nodes.extend(placements.iter().map(|at| Node {
-                        translation: Some(at.position.to_array()),
-                        rotation: Some(at.rotation.to_array()),
-                        scale: Some([at.scale; 3]),
-                        ..node()
-                    }));
-                }
-                _ => nodes.push(Node { extensions, ..node() }),
-            }
-            let primitives = vec![primitive(piece, &arrays[index])];
-            meshes.push(Mesh { name, primitives, extras: Extras::default() });
-        }
+        add_surroundings(distinct, (arrays, copies), &mut nodes, &mut meshes);
         nodes.push(setting::camera_node(setting));
         cameras.push(setting::camera(&setting.camera));
         let shining = setting::lights(setting);
@@ -193,6 +173,36 @@ pub(super) fn nodes(
         required.push(INSTANCING);
     }
     SceneGraph { nodes, roots, meshes, skins, rigs, cameras, lights, extensions, required }
+}
+
+/// Adds what stands around the plants: a mesh for each piece, and a node for each of its places unless these are instances.
+fn add_surroundings(
+    distinct: &DistinctMeshes<'_>,
+    (arrays, copies): (&[PrimitiveArrays], &[Option<Instancing>]),
+    nodes: &mut Vec<Node>,
+    meshes: &mut Vec<Mesh>,
+) {
+    let offset = arrays.len() - distinct.surroundings().count();
+    for (piece, index) in distinct.surroundings().zip(offset..) {
+        let name = piece.name.to_string();
+        let mesh = Some(meshes.len());
+        let node = || Node { name: name.clone(), mesh, ..Node::default() };
+        let instancing = copies.get(index).copied().flatten();
+        let extensions = NodeExtensions { instancing, ..NodeExtensions::default() };
+        match &piece.copies {
+            Some(MeshCopies { placements, .. }) if instancing.is_none() => {
+                nodes.extend(placements.iter().map(|at| Node {
+                    translation: Some(at.position.to_array()),
+                    rotation: Some(at.rotation.to_array()),
+                    scale: Some([at.scale; 3]),
+                    ..node()
+                }));
+            }
+            _ => nodes.push(Node { extensions, ..node() }),
+        }
+        let primitives = vec![primitive(piece, &arrays[index])];
+        meshes.push(Mesh { name, primitives, extras: Extras::default() });
+    }
 }
 
 struct Graph<'a> {
