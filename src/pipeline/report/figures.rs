@@ -96,8 +96,23 @@ pub(super) struct Hulls {
     pub solid: HullSolid,
 }
 
-fn from_above(points: impl Iterator<Item = DVec3>) -> Vec<DVec2> {
-    points.map(|at| DVec2::new(at.x, at.z)).collect()
+impl Hulls {
+    /// Of wood; in space of what `is_crown` tells of it.
+    fn of_wood(skeleton: &Skeleton, is_bare: bool, is_crown: impl Fn(&DVec3) -> bool) -> Self {
+        // Flat wood encloses nothing, and without leaves nothing lies beside its plane.
+        let is_flat = is_bare && skeleton.lies_in_a_plane();
+        let crown = skeleton.positions.iter().map(|at| at.as_dvec3()).filter(is_crown);
+        let solid = if is_flat { HullSolid::default() } else { HullSolid::of_all(crown) };
+        Self { plan: skeleton.seen_from_above(), solid }
+    }
+
+    /// The same around some more points.
+    fn around(&self, points: &[DVec3]) -> Self {
+        let above = points.iter().map(|at| DVec2::new(at.x, at.z));
+        let ground: Vec<DVec2> = self.plan.corners.iter().copied().chain(above).collect();
+        let all: Vec<DVec3> = self.solid.corners.iter().chain(points).copied().collect();
+        Self { plan: HullPolygon::of(&ground), solid: HullSolid::of(&all) }
+    }
 }
 
 pub(super) struct Figures<'a> {
@@ -146,8 +161,8 @@ impl<'a> Figures<'a> {
         let bytes = skeleton.topology_bytes();
         let admitted = holding.admit("measuring the tree", bytes, "grow a smaller tree");
         admitted.map_err(DetailError::from)?;
-        let nodes = || skeleton.positions.iter().map(|at| at.as_dvec3());
-        let floor_m = nodes().map(|at| at.y).reduce(f64::min).unwrap_or(0.0);
+        let heights = skeleton.positions.iter().map(|at| f64::from(at.y));
+        let floor_m = heights.reduce(f64::min).unwrap_or(0.0);
         let mut canopy = recipe.with_specimen(|specimen| canopy(specimen, &organs, floor_m, &holding))?;
         if let Some([vertices, triangles]) = cards {
             (canopy.vertices, canopy.triangles) = (vertices as usize, triangles as usize);
@@ -157,23 +172,15 @@ impl<'a> Figures<'a> {
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
         let ((measures, stem_diameters_m, wood), branching) = rayon::join(
             || {
-                let plan = skeleton.seen_from_above();
-                // Flat wood encloses nothing, and without leaves nothing lies beside its plane.
-                let is_flat = canopy.corners.is_empty() && skeleton.lies_in_a_plane();
-                let solid =
-                    if is_flat { HullSolid::default() } else { HullSolid::of_all(nodes().filter(is_crown)) };
+                let wood = Hulls::of_wood(&skeleton, canopy.corners.is_empty(), is_crown);
                 for (axis, length_m, _) in skeleton.cylinder_sizes(&forks) {
                     wood_of_tubes.by_order[axis.order as usize].length_m += f64::from(length_m);
                 }
-                let measures = skeleton.measures_by(&plan, &forks);
-                (measures, skeleton.stem_diameters_m(&forks), Hulls { plan, solid })
+                (skeleton.measures_by(&wood.plan, &forks), skeleton.stem_diameters_m(&forks), wood)
             },
             || BranchFigures::of(&skeleton),
         );
-        let leaves = || canopy.corners.iter().copied();
-        let ground = wood.plan.corners.iter().copied().chain(from_above(leaves()));
-        let points: Vec<DVec3> = wood.solid.corners.iter().copied().chain(leaves()).collect();
-        let all = Hulls { plan: HullPolygon::of(&ground.collect::<Vec<_>>()), solid: HullSolid::of(&points) };
+        let all = wood.around(&canopy.corners);
         let BranchFigures { tips, path_mean_m, path_longest_m, streams, angles, angles_by_order } = branching;
         let trunk: Vec<u32> = trunk
             .iter()
