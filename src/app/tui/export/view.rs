@@ -13,8 +13,9 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::current;
-use super::dialog::{self, ExportDialog, ExportSpot, FormatChoice, StartState};
+use super::dialog::{self, ExportDialog, ExportSpot, FormatChoice, StartState, Typing};
 use super::knobs::ExportKnobs;
+use crate::config::theme::Theme;
 use crate::figures::{length, thousands};
 use crate::jobs::{TargetFinding, WHOLE};
 use crate::paths::expand;
@@ -507,34 +508,12 @@ fn listed(files: &[PathBuf]) -> String {
     files.iter().map(|path| crate::paths::show(path)).collect::<Vec<_>>().join(", ")
 }
 
+/// What is said below the list, of the line that is typed or of what the cursor is on.
 fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
     let theme = &model.config.theme;
-    if let Some(line) = &dialog.line {
-        if let Some(problem) = &line.problem {
-            return (problem.clone(), theme.error);
-        }
-        if !line.offers.is_empty() {
-            // Their directory stands in the line.
-            let name = |offer: &String| {
-                let name = offer.trim_end_matches('/');
-                offer[name.rfind('/').map_or(0, |at| at + 1)..].to_owned()
-            };
-            return (line.offers.iter().map(name).collect::<Vec<_>>().join("  "), theme.popup);
-        }
+    if let Some(said) = dialog.line.as_ref().and_then(|line| said_of_line(line, theme)) {
+        return said;
     }
-    let told = |choice: &FormatChoice, target: &str| match dialog.finding_at(choice, target) {
-        Some(TargetFinding::Unfit(why)) => Some((why.clone(), theme.error)),
-        Some(TargetFinding::NewFolder) => {
-            Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
-        }
-        Some(TargetFinding::Replaces(files)) => match files.as_slice() {
-            [file] if file.as_path() == expand(target.trim(), std::env::home_dir().as_deref()) => {
-                Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
-            }
-            files => Some((format!("would be replaced: {}", listed(files)), theme.warning)),
-        },
-        Some(TargetFinding::Free) | None => None,
-    };
     let typed = dialog.line.as_ref().map(|line| line.input.value());
     match dialog.cursor {
         ExportSpot::Format(i) => (dialog.formats[i].exporter.format().help.to_owned(), theme.popup),
@@ -545,12 +524,14 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
             Some((spec, _)) => (format!("{} ({})", spec.knob.help, spec.knob.kind), theme.popup),
             None => (String::new(), theme.popup),
         },
-        ExportSpot::Target(i) => told(&dialog.formats[i], typed.unwrap_or(&dialog.formats[i].target))
-            .unwrap_or_else(|| {
+        ExportSpot::Target(i) => {
+            let choice = &dialog.formats[i];
+            said_of_target(dialog, choice, typed.unwrap_or(&choice.target), theme).unwrap_or_else(|| {
                 let words =
                     "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
                 (words.to_owned(), theme.popup_dim)
-            }),
+            })
+        }
         ExportSpot::Knob(row) => match dialog.knobs.as_ref().and_then(|knobs| knobs.row(row)) {
             Some((knob, ..)) => {
                 let text = format!("of this export alone: {} ({})", knob.knob.help, knob.knob.kind);
@@ -565,25 +546,61 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
         ExportSpot::Seasons => (format!("{SEASONS}; {SEASONS_HOW}"), theme.popup),
         ExportSpot::Ages => (format!("{AGES}; {AGES_HOW}"), theme.popup),
         ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
-        ExportSpot::Start => match dialog.start {
-            StartState::Asking => {
-                let files = dialog.replaced();
-                let folders = "a directory does not exist yet, and would be made";
-                let text = match (files.is_empty(), dialog.makes_folders()) {
-                    (true, _) => folders.to_owned(),
-                    (false, false) => format!("there already: {}", listed(&files)),
-                    (false, true) => format!("there already: {}; {folders}", listed(&files)),
-                };
-                (text, theme.warning)
+        ExportSpot::Start => said_of_start(dialog, theme),
+    }
+}
+
+/// What is wrong with a line, or how it may go on.
+fn said_of_line(line: &Typing, theme: &Theme) -> Option<(String, Style)> {
+    if let Some(problem) = &line.problem {
+        return Some((problem.clone(), theme.error));
+    }
+    // Their directory stands in the line.
+    let name = |offer: &String| {
+        let name = offer.trim_end_matches('/');
+        offer[name.rfind('/').map_or(0, |at| at + 1)..].to_owned()
+    };
+    let names: Vec<String> = line.offers.iter().map(name).collect();
+    (!names.is_empty()).then(|| (names.join("  "), theme.popup))
+}
+
+/// What is to be known of a place that files of a format are to go to.
+fn said_of_target(
+    dialog: &ExportDialog,
+    choice: &FormatChoice,
+    target: &str,
+    theme: &Theme,
+) -> Option<(String, Style)> {
+    match dialog.finding_at(choice, target)? {
+        TargetFinding::Unfit(why) => Some((why.clone(), theme.error)),
+        TargetFinding::NewFolder => {
+            Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
+        }
+        TargetFinding::Replaces(files) => match files.as_slice() {
+            [file] if file.as_path() == expand(target.trim(), std::env::home_dir().as_deref()) => {
+                Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
             }
-            _ => match dialog.unfit() {
-                Some((_, why)) => (why, theme.error),
-                None => (
-                    "all files appear together when all are written, or none does".to_owned(),
-                    theme.popup_dim,
-                ),
-            },
+            files => Some((format!("would be replaced: {}", listed(files)), theme.warning)),
         },
+        TargetFinding::Free => None,
+    }
+}
+
+/// What the button asks, or says of what it would do.
+fn said_of_start(dialog: &ExportDialog, theme: &Theme) -> (String, Style) {
+    if dialog.start == StartState::Asking {
+        let files = dialog.replaced();
+        let folders = "a directory does not exist yet, and would be made";
+        let text = match (files.is_empty(), dialog.makes_folders()) {
+            (true, _) => folders.to_owned(),
+            (false, false) => format!("there already: {}", listed(&files)),
+            (false, true) => format!("there already: {}; {folders}", listed(&files)),
+        };
+        return (text, theme.warning);
+    }
+    match dialog.unfit() {
+        Some((_, why)) => (why, theme.error),
+        None => ("all files appear together when all are written, or none does".to_owned(), theme.popup_dim),
     }
 }
 
