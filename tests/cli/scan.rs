@@ -1,6 +1,6 @@
 //! `linden scan`: what it writes, what it refuses, and that a tree grows back from it.
 
-use crate::describe::pixels;
+use crate::pictures::pixels;
 use crate::program::Folder;
 
 /// A small tree, and few pulses.

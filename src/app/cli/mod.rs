@@ -311,7 +311,7 @@ impl GrowArgs {
     /// What `--set` and `--seed` say, as names and values, the seed last.
     fn pairs(&self) -> anyhow::Result<Vec<(String, String)>> {
         let mut pairs = pairs(&self.settings)?;
-        pairs.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+        pairs.extend(self.seed.map(seeded));
         Ok(pairs)
     }
 }
@@ -333,6 +333,11 @@ fn say_of(source: &Source, pairs: &[(String, String)], seasons: &[Season], progr
 /// What to say of knobs that were turned and change nothing.
 fn idle(preset: &Preset, pairs: &[(String, String)]) -> Vec<String> {
     preset.idle_notes(pairs.iter().map(|(name, _)| name.as_str()))
+}
+
+/// What `--seed` says, as a knob's name and value.
+fn seeded(seed: u64) -> (String, String) {
+    ("seed".to_owned(), seed.to_string())
 }
 
 /// What `--lods` says, as a knob's name and value: a number of levels, or the triangles of each.

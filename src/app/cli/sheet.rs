@@ -39,6 +39,10 @@ pub struct Sheet {
     #[command(flatten)]
     placing: Placing,
 
+    /// The root of all random choices of each source's first tree, from which --seeds counts on; the same as --set seed=N
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = super::whole)]
+    seed: Option<u64>,
+
     /// So many trees of each source, with its seed and those that follow
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
@@ -100,6 +104,7 @@ impl Sheet {
         let target = PictureTarget::open(&self.output, "sheet", &self.placing)?;
         let sources = self.sources()?;
         let mut settings = super::pairs(&self.settings)?;
+        settings.extend(self.seed.map(super::seeded));
         settings.extend(self.lods.as_deref().filter(|text| !text.is_empty()).map(super::lods));
         let (mut trees, mut columns) = (Vec::with_capacity(sources.len()), self.columns);
         for path in &sources {
