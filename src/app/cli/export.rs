@@ -77,46 +77,22 @@ pub struct Export {
     json: bool,
 }
 
+/// Names and values.
+type Pairs = Vec<(String, String)>;
+
 impl Export {
     pub fn run(mut self) -> anyhow::Result<()> {
         // They are in it.
         self.timings |= self.json;
         let progress = Progress::new();
         let mut timings = Timings::new();
-        let (settings, of_formats): (Vec<(String, String)>, Vec<_>) =
-            self.growing.pairs()?.into_iter().partition(|(name, _)| !super::is_of_format(name));
-        // What the program that files are for wants of the plant comes first, so that all else holds against it.
-        let of_client = self.outputs.profile()?.map_or(&[][..], |profile| profile.knobs);
-        let of_client = of_client.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
-        let settings: Vec<_> = of_client.chain(settings).collect();
-        let settings: Vec<_> =
-            settings.into_iter().chain(self.budget.pair()).chain(self.looks.pairs()).collect();
+        let (settings, of_formats) = self.pairs()?;
         let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
             Some(list) => Season::parse_list(list).map_err(usage)?,
         };
         if !self.further.is_empty() {
-            if self.timings {
-                return Err(usage("--timings and --json are for one source: export each by itself"));
-            }
-            self.growing.without_defines("export each by itself")?;
-            self.growing.without_edits("export each by itself")?;
-            self.growing.without_age("export each by itself")?;
-            if self.ages.is_some() {
-                return Err(usage("--ages is for one source: export each by itself"));
-            }
-            if self.seasons.is_some() {
-                return Err(usage(
-                    "--seasons is for one source: export each by itself, or turn all to one with --set season=summer",
-                ));
-            }
-            let sources: Vec<PathBuf> =
-                std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
-            let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
-            let command = format!("linden export {} -o wood.glb", named.join(" "));
-            let (outputs, scene) = (&self.outputs, &self.scene);
-            let written = Written { outputs, of_formats: &of_formats, command, scene, table: None };
-            return side_by_side(&sources, &settings, written, &progress);
+            return self.several(&settings, &of_formats, &progress);
         }
         let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         if self.outputs.folder().is_some() {
@@ -179,6 +155,47 @@ impl Export {
             (false, 0) => list_with(&written, triangles.as_deref()),
             (false, _) => Ok(()),
         }
+    }
+
+    /// What knobs are turned to, then what options of formats are set to.
+    fn pairs(&self) -> anyhow::Result<(Pairs, Pairs)> {
+        let (settings, of_formats): (Pairs, Pairs) =
+            self.growing.pairs()?.into_iter().partition(|(name, _)| !super::is_of_format(name));
+        // What the program that files are for wants of the plant comes first, so that all else holds against it.
+        let of_client = self.outputs.profile()?.map_or(&[][..], |profile| profile.knobs);
+        let of_client = of_client.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
+        let settings = of_client.chain(settings).chain(self.budget.pair()).chain(self.looks.pairs());
+        Ok((settings.collect(), of_formats))
+    }
+
+    /// All sources in one file. What is for one of them is refused.
+    fn several(
+        &self,
+        settings: &[(String, String)],
+        of_formats: &[(String, String)],
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
+        if self.timings {
+            return Err(usage("--timings and --json are for one source: export each by itself"));
+        }
+        self.growing.without_defines("export each by itself")?;
+        self.growing.without_edits("export each by itself")?;
+        self.growing.without_age("export each by itself")?;
+        if self.ages.is_some() {
+            return Err(usage("--ages is for one source: export each by itself"));
+        }
+        if self.seasons.is_some() {
+            return Err(usage(
+                "--seasons is for one source: export each by itself, or turn all to one with --set season=summer",
+            ));
+        }
+        let sources: Vec<PathBuf> =
+            std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
+        let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
+        let command = format!("linden export {} -o wood.glb", named.join(" "));
+        let (outputs, scene) = (&self.outputs, &self.scene);
+        let written = Written { outputs, of_formats, command, scene, table: None };
+        side_by_side(&sources, settings, written, progress)
     }
 
     /// The seasons that are written: where all are asked for, and none differs on the plant at any of its ages, none,

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use linden::Skeleton;
-use linden::grow::Colonized;
+use linden::grow::{Colonized, Obstruction};
 use linden::picture::Picture;
+use linden::recipe::Recipe;
 use linden_raster::{Background, Camera, Paint, Size, Style};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Capabilities, Environment, Findings, Graphics, Overrides};
@@ -26,6 +27,7 @@ use crate::exit::usage;
 use crate::forecast::Outlook;
 use crate::portrait::{FILE_SIZE, PITCH_DEG, PreviewLook, Sitter, file_style, on_background};
 use crate::progress::Progress;
+use crate::source::Source;
 use crate::source::forest::ForestFile;
 
 /// Draw a source: in the terminal, or as a picture's file
@@ -157,12 +159,7 @@ impl Preview {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             target.admit(Size::new(width, height).map_err(usage)?, 0, &progress)?;
         }
-        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
-            let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
-            let pixels = f64::from(width) * f64::from(height);
-            let shows_surface = Sitter::shows_surface(&source.recipe, &outlook.sample.grown, look, self.lod);
-            outlook.announce(outlook.picture_s(&source.recipe, pixels, shows_surface));
-        }
+        self.announce(&source.recipe, look, target.is_some(), &progress);
         let grown = super::grown(&source, &progress)?;
         if let Some(why) = self.color.and_then(|paint| paint.hindrance(&grown.skeleton)) {
             super::notes(&[format!("--color changes nothing: {why}")], &progress);
@@ -175,14 +172,7 @@ impl Preview {
         } else {
             Vec::new()
         };
-        let obstructions = if self.alone {
-            Vec::new()
-        } else {
-            linden::grow::obstructions(&source.recipe, &progress).with_context(|| source.shown.clone())?
-        };
-        if self.alone && !source.recipe.preset.has_obstructions() {
-            super::notes(&["--alone changes nothing: nothing stands beside this tree".into()], &progress);
-        }
+        let obstructions = self.obstructions(&source, &progress)?;
         let say = &mut |notes: &[String]| super::notes(notes, &progress);
         let sitter = Sitter::new(&source.recipe, &grown, look, self.lod, say, &progress);
         let sitter = sitter.with_context(|| source.shown.clone())?;
@@ -226,6 +216,27 @@ impl Preview {
 }
 
 impl Preview {
+    /// Says how long it will take, where that is long.
+    fn announce(&self, recipe: &Recipe, look: Option<PreviewLook>, is_file: bool, progress: &Progress) {
+        let Some(outlook) = Outlook::of(recipe, progress) else { return };
+        let (width, height) = self.size.filter(|_| is_file).unwrap_or(FILE_SIZE);
+        let pixels = f64::from(width) * f64::from(height);
+        let shows_surface = Sitter::shows_surface(recipe, &outlook.sample.grown, look, self.lod);
+        outlook.announce(outlook.picture_s(recipe, pixels, shows_surface));
+    }
+
+    /// What stands in the tree's way and what takes light from it, unless the tree is to be alone.
+    fn obstructions(&self, source: &Source, progress: &Progress) -> anyhow::Result<Vec<Obstruction>> {
+        if !self.alone {
+            return linden::grow::obstructions(&source.recipe, progress)
+                .with_context(|| source.shown.clone());
+        }
+        if !source.recipe.preset.has_obstructions() {
+            super::notes(&["--alone changes nothing: nothing stands beside this tree".into()], progress);
+        }
+        Ok(Vec::new())
+    }
+
     /// A tree that is drawn, cut where that was asked for; says so where there is nothing to cut.
     fn sliced<'a>(&self, sitter: Sitter<'a>, skeleton: &Skeleton, progress: &Progress) -> Sitter<'a> {
         let Some((height_m, thickness_m)) = self.slice else { return sitter };
