@@ -285,6 +285,7 @@ mod tests {
             ("shed_patience", "3"),
             ("dead_years", "4"),
             ("bole", "0.8"),
+            ("crown_gap", "0.05"),
             ("twig_diameter", "0.01"),
             ("pipe_exponent", "2"),
             ("sag", "1"),

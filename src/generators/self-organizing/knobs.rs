@@ -397,7 +397,20 @@ impl SelfOrganizing {
                 "At most a third of the tree's height: crowns of young trees are raised bit by bit. Stems grow there: the \
                  first axis, and buds that grow as stems by reiteration."
             ),
-            see_also(&["shed", "max_order"])
+            see_also(&["shed", "max_order", "crown_gap"])
+        ),
+        field!(
+            "crown_gap",
+            real(0.0, 1000.0),
+            "m",
+            "limbs below a longer stretch of bare trunk are shed; 0: they stay",
+            crown_gap_m,
+            details(
+                "The crown then ends where it is no longer closed, and no limb hangs alone below it. Some internodes are a \
+                 usual gap: 5. A limb counts as one with a thousandth of the tree's internodes, and what hangs below stays \
+                 where it has more than a fifth of them: it is a storey of the crown."
+            ),
+            see_also(&["shed", "bole"])
         ),
         field!(
             "twig_diameter",
@@ -474,7 +487,8 @@ impl SelfOrganizing {
             "stool" | "stem_lean" if self.stems == 1 => {
                 Some("stems is 1: the stem stands upright on its foot")
             }
-            "bole" if self.max_order == 0 => Some("max_order is 0: there are no branches"),
+            "bole" | "crown_gap" if self.max_order == 0 => Some("max_order is 0: there are no branches"),
+            "crown_gap" if self.sympodial => Some("sympodial is true: the trunk ends with its first shoot"),
             "leaf_weight" | "righting" if self.sag == 0.0 => Some("sag is 0"),
             "shade_falloff" | "shade_depth" | "light_from" | "light_pull" | "leaf_years"
                 if self.shade == 0.0 =>

@@ -42,6 +42,7 @@
 mod barriers;
 mod bend;
 mod error;
+mod gap;
 mod generator;
 mod grow;
 mod knobs;

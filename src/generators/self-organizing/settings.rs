@@ -132,6 +132,8 @@ pub struct SelfOrganizing {
     pub dead_years: u32,
     /// Height below which no branch grows, metres, up to a third of the tree's: browsed or pruned. Stems do.
     pub bole_m: f64,
+    /// Limbs below a longer stretch of bare trunk are shed, metres, where they are a small part of the tree; 0: they stay.
+    pub crown_gap_m: f64,
     /// Diameter of the last internodes, metres.
     pub twig_diameter_m: f64,
     /// n of the pipe model.
@@ -206,6 +208,7 @@ impl Default for SelfOrganizing {
             shed_patience: 2,
             dead_years: 0,
             bole_m: 0.0,
+            crown_gap_m: 0.0,
             twig_diameter_m: 0.002,
             pipe_exponent: 2.5,
             sag: 0.0,

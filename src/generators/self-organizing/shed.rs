@@ -3,6 +3,7 @@
 use linden_skeleton::NO_PARENT;
 
 use crate::SelfOrganizing;
+use crate::gap::Lone;
 use crate::light::FULL_LIGHT;
 use crate::sums::Sums;
 use crate::tree::{APEX, DEAD, LATERAL, Nodes, SHED};
@@ -34,11 +35,13 @@ pub(crate) struct Lost {
 ///
 /// A foot that is marked already takes its tree with it: it is felled.
 ///
-/// A branch that begins below the height of the bole, in internodes, is cut off whatever its light.
+/// A branch that begins below the height of the bole, in internodes, is cut off whatever its light. Of what then is left
+/// goes what is [`Lone`].
 pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> Lost {
     let mut lost = Lost::default();
     let is_felled = |node| nodes.is_foot(node) && nodes.is(node, SHED);
-    if settings.shed == 0.0 && bole == 0.0 && !(0..nodes.len()).any(is_felled) {
+    if settings.shed == 0.0 && bole == 0.0 && settings.crown_gap_m == 0.0 && !(0..nodes.len()).any(is_felled)
+    {
         return lost;
     }
     let is_stand = nodes.parents.iter().filter(|&&parent| parent == NO_PARENT).nth(1).is_some();
@@ -55,31 +58,46 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
             }
             continue;
         }
+        let fate = fate(nodes, node, sums, settings, year, bole);
+        lost.take(nodes, node, fate, &mut pipes);
+    }
+    let lone = Lone::of(nodes, sums, settings);
+    if lone.is_any() {
+        for node in 0..nodes.len() {
+            let fate = fate_of_lone(nodes, node, &lone, settings);
+            lost.take(nodes, node, fate, &mut pipes);
+        }
+    }
+    lost
+}
+
+impl Lost {
+    /// Marks a node whose fate is known. `pipes` are those before anything was shed, worked out when they are needed.
+    fn take(&mut self, nodes: &mut Nodes, node: usize, fate: Fate, pipes: &mut Vec<u32>) {
         let was_dead = nodes.is(node, DEAD);
-        let parent = nodes.parents[node] as usize;
-        match fate(nodes, node, sums, settings, year, bole) {
-            Fate::Stays => continue,
+        match fate {
+            Fate::Stays => return,
             Fate::Dies => {
                 nodes.flags[node] = nodes.flags[node] & !APEX | DEAD;
                 nodes.buds[node] = 0;
                 nodes.dark_years[node] = 0;
             }
             Fate::Goes => {
+                let parent = nodes.parents[node] as usize;
                 if !nodes.is(parent, SHED) {
                     if pipes.is_empty() {
-                        pipes = nodes.pipes();
+                        *pipes = nodes.pipes();
                     }
                     nodes.shed_tips[parent] = nodes.shed_tips[parent].saturating_add(pipes[node]);
                 }
                 nodes.flags[node] |= SHED;
-                lost.nodes += 1;
+                self.nodes += 1;
             }
         }
         if !was_dead {
-            lost.leafless.push(node as u32);
+            self.leafless.push(node as u32);
         }
     }
-    lost
 }
 
 /// What becomes of a node in a year.
@@ -123,6 +141,23 @@ fn fate(
         false => Fate::Stays,
         true if settings.dead_years == 0 => Fate::Goes,
         true => Fate::Dies,
+    }
+}
+
+/// What becomes of a node once light has taken its share: it goes or dies with its lone limb, or stays.
+fn fate_of_lone(nodes: &Nodes, node: usize, lone: &Lone, settings: &SelfOrganizing) -> Fate {
+    let (is_dead, is_shed) = (nodes.is(node, DEAD), nodes.is(node, SHED));
+    if nodes.is_foot(node) || is_shed {
+        return Fate::Stays;
+    }
+    let parent = nodes.parents[node] as usize;
+    let is_lone = lone.holds(parent) && nodes.is(node, LATERAL);
+    match (nodes.is(parent, SHED), is_dead) {
+        (true, _) => Fate::Goes,
+        (false, true) => Fate::Stays,
+        (false, false) if is_lone && settings.dead_years == 0 => Fate::Goes,
+        (false, false) if is_lone || nodes.is(parent, DEAD) => Fate::Dies,
+        (false, false) => Fate::Stays,
     }
 }
 
