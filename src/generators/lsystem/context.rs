@@ -34,11 +34,7 @@ pub(super) trait Modules: Sync {
     /// The module's identifier in [`Program::modules`].
     fn id(&self, index: usize) -> u32;
     fn entry(&self, index: usize) -> &Entry;
-    /// The entry, and the arguments.
-    fn module(&self, index: usize) -> (&Entry, &[f64]);
-    fn arguments(&self, index: usize) -> &[f64] {
-        self.module(index).1
-    }
+    fn arguments(&self, index: usize) -> &[f64];
     fn count(&self) -> usize;
 }
 
@@ -73,15 +69,16 @@ impl Neighbours {
         let Self { left, right, close, stacks: [from_left, from_right], parts } = self;
         parts.clear();
         parts.extend(program.modules.iter().map(part));
-        renew(left, count(program.contexts.left));
-        renew(right, count(program.contexts.right));
-        renew(close, count(program.contexts.right));
+        // Of a step before, what nobody asks for may be left.
+        fit(left, count(program.contexts.left), NOTHING);
+        fit(right, count(program.contexts.right), NOTHING);
+        fit(close, count(program.contexts.right), NOTHING);
         let part = |i: usize| parts[string.id(i) as usize];
         join(|| find_left(left, part, from_left), || find_right(right, close, part, from_right));
     }
 
     /// Whether the contexts of a group stand around a module. Their arguments, and those of the module,
-    /// are then in `parameters`, which has room for them. Counts its steps in `work`.
+    /// are then in `parameters`, which has room for them. Steps beyond one for each neighbour are counted in `work`.
     #[inline]
     pub(super) fn surround(
         &self,
@@ -94,7 +91,6 @@ impl Neighbours {
         put(parameters, group.arguments_at, string.arguments(index));
         let mut at = index as u32;
         for &sought in &group.left {
-            *work += 1;
             at = self.left[at as usize];
             if !is_found(sought, string, at, parameters) {
                 return false;
@@ -105,7 +101,6 @@ impl Neighbours {
             if !matches!(sought, Sought::Module { .. }) {
                 return self.follows(&group.right[i..], string, at, parameters, work);
             }
-            *work += 1;
             at = self.right[at as usize];
             if !is_found(sought, string, at, parameters) {
                 return false;
@@ -118,6 +113,7 @@ impl Neighbours {
     ///
     /// A pattern in brackets takes the first branch that holds it, the next one takes a later branch:
     /// no other choice finds more.
+    #[inline(never)] // It is long, and few contexts have branches.
     fn follows(
         &self,
         sought: &[Sought],
@@ -232,11 +228,13 @@ fn find_right(right: &mut [u32], close: &mut [u32], part: impl Fn(usize) -> Part
     }
 }
 
-/// Nothing, `count` times, in no larger a place than that takes or was there.
-fn renew(list: &mut Vec<u32>, count: usize) {
-    list.clear();
-    list.reserve_exact(count);
-    list.resize(count, NOTHING);
+/// Makes a list this long, in no larger a place than that takes or was there. What it held may be gone.
+pub(super) fn fit<T: Clone>(list: &mut Vec<T>, count: usize, value: T) {
+    if list.capacity() < count {
+        *list = Vec::new();
+        list.reserve_exact(count);
+    }
+    list.resize(count, value);
 }
 
 #[expect(
@@ -249,10 +247,9 @@ fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f6
     if at == NOTHING {
         return false;
     }
-    let (entry, arguments) = string.module(at as usize);
-    let is_found = entry.kind == kind;
+    let is_found = string.entry(at as usize).kind == kind;
     if is_found {
-        put(parameters, first as usize, arguments);
+        put(parameters, first as usize, string.arguments(at as usize));
     }
     is_found
 }
@@ -260,12 +257,11 @@ fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f6
 /// Puts a module's arguments among the parameters. Most have one or two: a call that copies takes longer than these.
 #[inline]
 fn put(parameters: &mut [f64], first: usize, arguments: &[f64]) {
-    let places = &mut parameters[first..];
     match *arguments {
         [] => {}
-        [only] => places[0] = only,
-        [one, other] => [places[0], places[1]] = [one, other],
-        _ => places[..arguments.len()].copy_from_slice(arguments),
+        [only] => parameters[first] = only,
+        [one, other] => [parameters[first], parameters[first + 1]] = [one, other],
+        _ => parameters[first..first + arguments.len()].copy_from_slice(arguments),
     }
 }
 

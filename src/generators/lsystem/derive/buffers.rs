@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::slot::Slot;
 use super::{Outlet, Sink, bad_condition, root};
-use crate::context::{Modules, Neighbours, rest_of_branch};
+use crate::context::{Modules, Neighbours, fit, rest_of_branch};
 use crate::error::LsystemError;
 use crate::program::{Entry, Group, Program, Word};
 use crate::turtle_settings::TurtleSettings;
@@ -54,13 +54,13 @@ impl Modules for Text<'_> {
     }
 
     #[inline]
-    fn module(&self, index: usize) -> (&Entry, &[f64]) {
+    fn arguments(&self, index: usize) -> &[f64] {
         let entry = self.entry(index);
         if !entry.is_computed() {
-            return (entry, &entry.constants);
+            return &entry.constants;
         }
         let start = self.buffer.starts[index] as usize;
-        (entry, &self.buffer.values[start..start + entry.arity as usize])
+        &self.buffer.values[start..start + entry.arity as usize]
     }
 
     fn count(&self) -> usize {
@@ -107,15 +107,6 @@ impl std::ops::AddAssign for Size {
         self.modules += other.modules;
         self.values += other.values;
     }
-}
-
-/// Makes a list this long, in no larger a place than that takes or was there. What it held may be gone.
-fn fit<T: Clone>(list: &mut Vec<T>, count: usize, value: T) {
-    if list.capacity() < count {
-        *list = Vec::new();
-        list.reserve_exact(count);
-    }
-    list.resize(count, value);
 }
 
 /// The most parameters of a group with contexts.

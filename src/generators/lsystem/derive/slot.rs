@@ -92,16 +92,30 @@ impl Slot<'_> {
             return rows.chunks_exact(width).try_for_each(|row| self.word(program, word, row, place, birth));
         }
         let modules = program.word(word);
-        while self.next_value < end {
-            let mut done = 0;
-            for call in program.calls(word) {
-                let at = call.at as usize;
-                modules[done..=at].iter().for_each(|&id| self.put(id, birth, place));
-                self.next_value += program.formulas(*call).len();
-                done = at + 1;
-            }
-            modules[done..].iter().for_each(|&id| self.put(id, birth, place));
+        let places = self.next..self.next + rows.len() / width * modules.len();
+        for places in self.modules[places.clone()].chunks_exact_mut(modules.len()) {
+            places.iter_mut().zip(modules).for_each(|(place, module)| *place = *module);
         }
+        self.births[places.clone()].fill(birth);
+        let starts = starts_in(program, word);
+        let mut first = self.offset + self.next_value as u32;
+        for places in self.starts[places.clone()].chunks_exact_mut(modules.len()) {
+            places.iter_mut().zip(&starts).for_each(|(place, start)| *place = first + start);
+            first += word.values;
+        }
+        (self.next, self.next_value) = (places.end, end);
         Ok(())
     }
+}
+
+/// Where the arguments of each module of a word stand among those of the word, if they are computed.
+fn starts_in(program: &Program, word: Word) -> Vec<u32> {
+    let mut calls = program.calls(word).iter().peekable();
+    let mut start = 0;
+    let of_module = |at| {
+        let values = calls.next_if(|call| call.at == at).map_or(0, |call| program.formulas(*call).len());
+        start += values as u32;
+        start - values as u32
+    };
+    (0..word.len() as u32).map(of_module).collect()
 }

@@ -155,13 +155,13 @@ impl<'a> Compiler<'a> {
         let condition = first.condition.as_ref().map(|condition| self.library.add(condition, &mut 0));
         let instructions = condition.map_or(0, |condition| self.library.instructions(condition).len());
         Group {
-            left,
-            right,
             arguments_at,
             parameters,
             is_random,
             condition,
-            cost: (instructions / 16) as u32,
+            cost: (instructions / 16 + left.len() + right.len()) as u32,
+            left,
+            right,
             alternatives,
         }
     }

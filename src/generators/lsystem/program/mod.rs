@@ -133,7 +133,7 @@ pub(super) struct Group {
     /// How many parameters there are.
     pub parameters: usize,
     pub condition: Option<Formula>,
-    /// Cost of looking at it beyond one symbol's worth of work, in symbols.
+    /// Cost of looking at it beyond one symbol's worth of work, in symbols, each neighbour of its contexts once.
     pub cost: u32,
     /// Whether another step may decide otherwise about the same module.
     pub is_random: bool,
@@ -236,7 +236,19 @@ impl Program {
     /// Whether the condition of a group holds in a derivation step; `None` where it comes to no number.
     #[inline]
     pub(super) fn holds(&self, group: &Group, parameters: &[f64], place: Key, step: u32) -> Option<bool> {
-        let Some(condition) = group.condition else { return Some(true) };
+        match group.condition {
+            None => Some(true),
+            Some(condition) => self.comes_true(condition, group, parameters, (place, step)),
+        }
+    }
+
+    fn comes_true(
+        &self,
+        condition: Formula,
+        group: &Group,
+        parameters: &[f64],
+        (place, step): (Key, u32),
+    ) -> Option<bool> {
         let key = if group.is_random { place.named("condition").child(step.into()) } else { place };
         is_true(self.library.evaluate(condition, Inputs { parameters, key }))
     }
