@@ -77,6 +77,9 @@ fn fewer(small: &mut LSystem, limit: u64, monitor: &dyn Monitor) -> Result<f64, 
         }
     };
     let most = most(wanted, |derivations| Ok(segments(derivations)?.is_some()))?;
+    if most == wanted {
+        return Ok(1.0);
+    }
     // What is nested or cut may come back in every other step.
     let apart = if most >= 8 { 2 } else { 1 };
     let mut counts = [0.0; 3];
