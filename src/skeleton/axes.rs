@@ -20,7 +20,10 @@ pub(super) fn decompose(
     compare: impl Fn(u32, u32) -> Ordering,
 ) -> (Vec<Axis>, Vec<u32>) {
     let mut next = match edges {
-        Some(edges) => said(parents, edges),
+        Some(edges) => {
+            drop(compare);
+            said(parents, edges)
+        }
         None => successors(positions, parents, None, compare),
     };
     let apexes = next.iter().filter(|&&successor| successor == NO_PARENT).count();
