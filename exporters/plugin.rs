@@ -49,17 +49,44 @@ static KNOWN: Mutex<BTreeMap<String, &'static Plugin>> = Mutex::new(BTreeMap::ne
 
 /// The plug-in for a format, if there is such a program on the search path.
 pub(crate) fn find(id: &str) -> Option<&'static dyn Exporter> {
+    find_in(&search_path(), id)
+}
+
+/// All plug-ins on the search path, by id, as they were there when they were first asked for.
+pub(crate) fn all() -> Vec<&'static dyn Exporter> {
+    static LISTING: Listing = Listing(Mutex::new(None));
+    LISTING.of(search_path())
+}
+
+/// The plug-ins of a search path: its folders hold thousands of programs, and dialogs ask for formats with every key.
+struct Listing(Mutex<Option<(Vec<PathBuf>, Vec<&'static dyn Exporter>)>>);
+
+impl Listing {
+    /// Those of some folders, which are looked through once.
+    fn of(&self, folders: Vec<PathBuf>) -> Vec<&'static dyn Exporter> {
+        let mut listed = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match &*listed {
+            Some((of, plugins)) if *of == folders => plugins.clone(),
+            _ => {
+                let plugins = all_in(&folders);
+                *listed = Some((folders, plugins.clone()));
+                plugins
+            }
+        }
+    }
+}
+
+fn find_in(folders: &[PathBuf], id: &str) -> Option<&'static dyn Exporter> {
     let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
     if id.is_empty() || id.len() > LONGEST_ID || !id.chars().all(plain) {
         return None;
     }
-    Some(known(id, program_on_path(&format!("{PREFIX}{id}"))?))
+    Some(known(id, program_in(folders, &format!("{PREFIX}{id}"))?))
 }
 
-/// All plug-ins on the search path, by id.
-pub(crate) fn all() -> Vec<&'static dyn Exporter> {
+fn all_in(folders: &[PathBuf]) -> Vec<&'static dyn Exporter> {
     let mut ids = Vec::new();
-    for entry in search_path().iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
+    for entry in folders.iter().filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten() {
         let name = entry.file_name();
         let Some(rest) = name.to_str().and_then(|name| name.strip_prefix(PREFIX)) else { continue };
         let id = rest.strip_suffix(std::env::consts::EXE_SUFFIX).unwrap_or(rest);
@@ -67,13 +94,17 @@ pub(crate) fn all() -> Vec<&'static dyn Exporter> {
     }
     ids.sort_unstable();
     ids.dedup();
-    ids.iter().filter_map(|id| find(id)).collect()
+    ids.iter().filter_map(|id| find_in(folders, id)).collect()
 }
 
 /// A program on the search path. [`std::process::Command`] would find those in relative folders too.
 pub fn program_on_path(name: &str) -> Option<PathBuf> {
+    program_in(&search_path(), name)
+}
+
+fn program_in(folders: &[PathBuf], name: &str) -> Option<PathBuf> {
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-    search_path().into_iter().map(|folder| folder.join(&file)).find(|path| is_program(path))
+    folders.iter().map(|folder| folder.join(&file)).find(|path| is_program(path))
 }
 
 /// Relative folders are left out: what runs must not depend on where it is run.
@@ -236,5 +267,34 @@ impl Drop for Running {
         system::ask_to_end(&mut self.0, GRACE);
         let _ = self.0.kill();
         let _ = self.0.wait();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// This test itself as a plug-in: it is a program everywhere.
+    fn add(folder: &Path, id: &str) {
+        let program = folder.join(format!("{PREFIX}{id}{}", std::env::consts::EXE_SUFFIX));
+        fs::copy(std::env::current_exe().unwrap(), program).unwrap();
+    }
+
+    #[test]
+    fn folders_are_looked_through_once_for_each_search_path() {
+        let [one, other] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+        let listing = Listing(Mutex::new(None));
+        let found = |folders: &[&Path]| {
+            let plugins = listing.of(folders.iter().map(|folder| folder.to_path_buf()).collect());
+            plugins.iter().map(|plugin| plugin.format().id).collect::<Vec<_>>()
+        };
+        add(one.path(), "listed-a");
+        assert_eq!(found(&[one.path()]), ["listed-a"]);
+        add(one.path(), "listed-b");
+        assert_eq!(found(&[one.path()]), ["listed-a"], "not looked for again");
+        assert_eq!(found(&[one.path(), other.path()]), ["listed-a", "listed-b"], "another search path");
+        add(other.path(), "listed-c");
+        assert_eq!(found(&[other.path()]), ["listed-c"]);
+        assert_eq!(found(&[]), [""; 0]);
     }
 }
