@@ -179,6 +179,7 @@ impl Holds {
 #[cfg(test)]
 mod tests {
     use linden_pipeline::dress::levels;
+    use linden_pipeline::forest::{Forest, GrownForest, GrownTree, Plan};
     use linden_pipeline::grow::grow;
     use linden_pipeline::preset::builtin;
     use linden_pipeline::recipe::Recipe;
@@ -277,5 +278,44 @@ mod tests {
             }
         }
         assert!(less > 12, "{less}");
+    }
+
+    /// Budgets are those of the forest, of which files without leaves know nothing, and that of a tree.
+    #[test]
+    fn forests_are_dressed_as_far_as_formats_want_and_files_are_the_same() {
+        let small = [("points", "300"), ("leaf_size", "64"), ("bark_size", "64"), ("card_size", "128")];
+        let recipe = |id: &str, knobs: &[(&str, &str)]| {
+            let mut preset = builtin(id).unwrap().load().unwrap();
+            for (knob, value) in small.iter().chain(knobs) {
+                preset.set(knob, value).unwrap();
+            }
+            Recipe::new(preset)
+        };
+        let kinds = || vec![recipe("drawn-oak", &[]), recipe("dressed-fir", &[("triangles", "3000")])];
+        let alone = || vec![recipe("drawn-oak", &[])];
+        for (kinds, places, trees) in [(kinds(), "scattered", 5), (alone(), "given", 1)] {
+            let mut forest = Forest::of(kinds);
+            for (knob, value) in [("area", "24"), ("spacing", "6"), ("trees", "5"), ("triangles", "2000")] {
+                forest.layout.set(knob, value).unwrap();
+            }
+            forest.layout.set("places", places).unwrap();
+            let plan = forest.plan(&Quiet).unwrap();
+            let grown = |plan: Plan| GrownForest::grow(&forest, plan, &Quiet, &mut |_| ()).unwrap();
+            let all = grown(plan.clone());
+            assert_eq!(all.places.len(), trees);
+            let is_dressed = |tree: &GrownTree| !tree.levels.levels[0].scene.parts.is_empty();
+            assert!(all.trees.iter().all(is_dressed));
+            for exporter in REGISTRY {
+                let format = exporter.format();
+                let wanted = format.holds.wanted();
+                if wanted.surface {
+                    continue;
+                }
+                let some = grown(plan.clone().wanting(wanted));
+                assert!(!some.trees.iter().any(is_dressed), "{}", format.id);
+                let files = [&some, &all].map(|forest| written(&forest.stage(), *exporter));
+                assert!(files[0] == files[1], "{places}: {}", format.id);
+            }
+        }
     }
 }

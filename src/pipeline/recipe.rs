@@ -115,6 +115,11 @@ impl Recipe {
         Self { wanted, ..self }
     }
 
+    /// What of the tree is dressed.
+    pub(crate) const fn wanted(&self) -> Wanted {
+        self.wanted
+    }
+
     /// The content of a file that the preset names.
     pub fn input(&self, file: &str) -> Option<&Input> {
         self.inputs.get(file)

@@ -109,6 +109,26 @@ fn files_are_the_same_with_without_and_with_a_damaged_cache() {
 }
 
 #[test]
+fn a_forest_draws_what_its_files_hold_and_nothing_else() {
+    let cached = Cached::new();
+    let forest = ["forest", "drawn-oak", "--area=16", "--trees=2", "--distinct=2", "--triangles=1500"];
+    let small = ["--set=points=300", "--set=bark_size=64", "--set=leaf_size=64", "--set=card_size=128"];
+    let drawn = |formats: &str, into: &str| {
+        fs::create_dir(cached.0.file(into)).unwrap();
+        let said = cached.run(&[&forest[..], &small, &["--format", formats, "-o", into]].concat(), &[]);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        cached.entries().len()
+    };
+    // Leaves grow in the outlines of their pictures, which both trees share: colours and normals.
+    let leaves = drawn("qsm,mat,ply-skeleton", "wood/");
+    assert!(leaves <= 2, "{leaves}");
+    assert_eq!(drawn("mtg,organs", "organs/"), leaves);
+    // Barks and branch cards, as they are and compressed.
+    let all = drawn("glb", "all/");
+    assert!(all > leaves + 8, "{leaves} {all}");
+}
+
+#[test]
 fn a_cache_that_cannot_be_written_is_no_error() {
     let cached = Cached::new();
     cached.0.write("cache", "a file");

@@ -192,7 +192,7 @@ impl Written<'_> {
         let most = counts.max().unwrap_or(1);
         let mut batch =
             self.outputs.open(&forest.id, &self.command, self.of_formats, Files::in_levels(most), sources)?;
-        let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
+        let plan = forest.plan(progress).with_context(|| forest.id.clone())?.wanting(batch.wanted());
         let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
         announce(outlook.export_s(&batch.formats()), &outlook.amount());
         let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();

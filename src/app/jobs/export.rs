@@ -343,7 +343,7 @@ fn write_forest(
     batch: &mut Batch,
     gauge: &Gauge<'_>,
 ) -> anyhow::Result<Vec<String>> {
-    let plan = forest.plan(gauge)?;
+    let plan = forest.plan(gauge)?.wanting(batch.wanted());
     // Of each tree its growth and its surface; what is left is for writing.
     let mut trees = plan.trees.len();
     let share = |trees: usize| (GROWING + DRESSING) / trees.max(1) as f64;

@@ -1,6 +1,7 @@
 //! A forest whose trees have grown.
 
 use linden_base::monitor::{Holding, Monitor};
+use linden_plant::Wanted;
 use linden_plant::detail::{DetailError, Levels};
 use linden_plant::scene::Wrap;
 use linden_plant::stage::{Level, Place, Plant, Stage};
@@ -94,6 +95,8 @@ impl GrownForest {
     ) -> Result<Self, GrownForestError> {
         let mut trees: Vec<GrownTree> = Vec::with_capacity(plan.trees.len());
         let mut held = inputs_bytes(&plan.trees);
+        // The recipe of a tree that stands alone tells of its budget, whatever is made of it.
+        let is_single = plan.trees.len() == 1 && plan.places.len() == 1;
         for (index, tree) in plan.trees.iter().enumerate() {
             monitor.among("tree", index + 1, plan.trees.len());
             let holding = Holding::new(monitor, held);
@@ -101,6 +104,8 @@ impl GrownForest {
             let wood = grow(&tree.recipe, &holding)
                 .map_err(|error| GrownForestError::Grow { tree: tree.name.clone(), error })?;
             let triangles = forest.layout.triangles * tree.stems;
+            let has_budget = is_single || tree.recipe.wanted() != Wanted::SKELETON;
+            let triangles = if has_budget { triangles } else { 0 };
             let recipe = budgeted(&tree.recipe, &wood, triangles, &holding).map_err(failed)?;
             let mut dressed = levels(&recipe, &wood, &holding).map_err(failed)?;
             let first = plan.trees.iter().position(|first| first.kind == tree.kind);

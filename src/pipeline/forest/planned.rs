@@ -1,5 +1,6 @@
 //! A forest as it is planned: its distinct trees, and where they stand.
 
+use linden_plant::Wanted;
 use linden_plant::stage::Place;
 
 use crate::recipe::Recipe;
@@ -11,6 +12,17 @@ pub struct Plan {
     pub trees: Vec<PlannedTree>,
     /// Where they stand; `plant` is an index into `trees`.
     pub places: Vec<Place>,
+}
+
+impl Plan {
+    /// The same trees, dressed only as far as somebody looks at them: see [`Recipe::wanting`].
+    #[must_use]
+    pub fn wanting(mut self, wanted: Wanted) -> Self {
+        for tree in &mut self.trees {
+            tree.recipe = tree.recipe.clone().wanting(wanted);
+        }
+        self
+    }
 }
 
 /// A distinct tree.
