@@ -4,12 +4,14 @@
 #![allow(clippy::print_stdout, reason = "--nocapture shows the figures")]
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::Quiet;
 use linden::dress::dress;
 use linden::forecast::sample;
 use linden::grow::grow;
 use linden::input::Up;
+use linden::monitor::{Monitor, Phase};
 use linden::preset::{Preset, ScanSettings, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::scanner::{ScannerSettings, Target, scan};
@@ -155,4 +157,34 @@ fn scans_are_forecast_from_a_sample() {
         check(id, &recipe, false, 2.2, &mut faults);
     }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+/// Counts how often it is asked whether to go on: once for each step, and for each piece of the string.
+#[derive(Default)]
+struct Asked(AtomicU64);
+
+impl Monitor for Asked {
+    fn is_cancelled(&self) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        false
+    }
+
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+}
+
+#[test]
+fn a_string_with_contexts_that_a_sample_holds_is_derived_twice_for_it() {
+    let row = "M(1)M(2)".repeat(2000);
+    let text = format!(
+        "id = \"row\"\n[lsystem]\naxiom = \"F{row}\"\nrules = [\"M(a) < M(x) -> M((a+x)/2)\"]\nderivations = 40\n\
+         [foliage]\nleaf_form = \"none\"\n"
+    );
+    let recipe = Recipe::new(Preset::from_toml(&text).unwrap());
+    let asked = Asked::default();
+    grow(&recipe, &asked).unwrap();
+    let by_growth = asked.0.swap(0, Ordering::Relaxed);
+    assert!(sample(&recipe, &asked).unwrap().is_whole());
+    let by_sample = asked.0.into_inner();
+    // To see that it fits, and to grow the sample.
+    assert!(by_growth > 40 && by_sample < 3 * by_growth, "{by_growth} {by_sample}");
 }
