@@ -59,17 +59,23 @@ pub(crate) fn all() -> Vec<&'static dyn Exporter> {
 }
 
 /// The plug-ins of a search path: its folders hold thousands of programs, and dialogs ask for formats with every key.
-struct Listing(Mutex<Option<(Vec<PathBuf>, Vec<&'static dyn Exporter>)>>);
+struct Listing(Mutex<Option<Listed>>);
+
+/// What was found in some folders.
+struct Listed {
+    folders: Vec<PathBuf>,
+    plugins: Vec<&'static dyn Exporter>,
+}
 
 impl Listing {
     /// Those of some folders, which are looked through once.
     fn of(&self, folders: Vec<PathBuf>) -> Vec<&'static dyn Exporter> {
-        let mut listed = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        match &*listed {
-            Some((of, plugins)) if *of == folders => plugins.clone(),
+        let mut last = self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        match &*last {
+            Some(listed) if listed.folders == folders => listed.plugins.clone(),
             _ => {
                 let plugins = all_in(&folders);
-                *listed = Some((folders, plugins.clone()));
+                *last = Some(Listed { folders, plugins: plugins.clone() });
                 plugins
             }
         }
