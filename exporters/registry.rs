@@ -94,7 +94,8 @@ impl Registry {
         self
     }
 
-    /// All formats, those of plug-ins last.
+    /// All formats, those of plug-ins last. Plug-ins are looked for once for each search path: what is put there or taken away
+    /// later is not seen by this program.
     pub fn exporters(&self) -> Vec<&'static dyn Exporter> {
         let is_known = |id: &str| self.exporters.iter().any(|exporter| exporter.format().id == id);
         let plugins = if self.runs_plugins { plugin::all() } else { Vec::new() };

@@ -275,7 +275,7 @@ impl Measuring<'_> {
         })
     }
 
-    /// What tasks find that look at some of the organs each, in their order.
+    /// Each task looks at some of the organs; what they find, in the order of the organs.
     fn in_tasks(
         &self,
         monitor: &dyn Monitor,

@@ -69,7 +69,7 @@ impl Neighbours {
         let Self { left, right, close, stacks: [from_left, from_right], parts } = self;
         parts.clear();
         parts.extend(program.modules.iter().map(part));
-        // Of a step before, what nobody asks for may be left.
+        // Entries that are not read may be of the step before.
         fit(left, count(program.contexts.left), NOTHING);
         fit(right, count(program.contexts.right), NOTHING);
         fit(close, count(program.contexts.right), NOTHING);
@@ -78,7 +78,7 @@ impl Neighbours {
     }
 
     /// Whether the contexts of a group stand around a module. Their arguments, and those of the module,
-    /// are then in `parameters`, which has room for them. Steps beyond one for each neighbour are counted in `work`.
+    /// are then in `parameters`, which has room for them. Neighbours that are looked at are counted in `work`.
     #[inline]
     pub(super) fn surround(
         &self,

@@ -153,7 +153,7 @@ fn upright(
     Ok(Upright { points, is_leaf, ground, axes, repeated, no_returns, far_points, notes })
 }
 
-/// A scan as what grows along its bark is given it. The root is given where it is known.
+/// A scan of bark, ready to be grown along. The root is given where it is known.
 fn on_bark(
     settings: &ScanSettings,
     upright: Upright,
@@ -187,7 +187,7 @@ fn on_bark(
     Ok(Prepared { site, bark: Some(scan.bark), leaf_points, axes })
 }
 
-/// Points that fill a crown as what grows into it is given them.
+/// Points that fill a crown, ready to be grown into.
 fn in_volume(
     settings: &ScanSettings,
     upright: Upright,

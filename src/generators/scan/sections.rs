@@ -159,7 +159,7 @@ impl Sections {
         sections
     }
 
-    /// Hangs sections from `first` on that hang on none on the nearest one before them: the foot is a start as a whole, some
+    /// Gives each section from `first` on that has no parent the nearest one before it: the foot is a start as a whole, some
     /// sections high, one above the other.
     fn hang_starts(&mut self, first: usize) {
         for i in first..self.centres.len() {

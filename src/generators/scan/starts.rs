@@ -6,7 +6,7 @@ use super::foot::Foot;
 use super::trunk::Trunk;
 
 /// The feet of stems, and trunks that are followed already.
-pub(crate) struct Starts<'a> {
+pub(super) struct Starts<'a> {
     feet: &'a [Foot],
     /// The point that is nearest to each foot.
     nearest: Vec<Option<DVec3>>,

@@ -296,6 +296,9 @@ mod tests {
             (field.write)(&mut settings, field.knob.kind.parse(text).unwrap());
             assert_ne!(hash(&settings), plain, "{knob}");
         }
+        let gaps = SelfOrganizing { shed: 0.0, crown_gap_m: 0.05, ..base.clone() };
+        assert_eq!(gaps.why_idle("dead_years"), None);
+        assert_ne!(hash(&SelfOrganizing { dead_years: 4, ..gaps.clone() }), hash(&gaps));
         let shrub = SelfOrganizing { stems: 4, ..base.clone() };
         for other in [
             SelfOrganizing { stool_m: 0.5, ..shrub.clone() },
@@ -327,6 +330,10 @@ mod tests {
             assert_ne!(hash(&other), hash(&sky), "{other:?}");
         }
         // What is called idle changes nothing.
+        let sympodial = SelfOrganizing { sympodial: true, ..base.clone() };
+        let gaps = SelfOrganizing { crown_gap_m: 0.05, ..sympodial.clone() };
+        assert!(gaps.why_idle("crown_gap").is_some());
+        assert_eq!(hash(&gaps), hash(&sympodial));
         let idle = SelfOrganizing { shade_falloff: 2.0, shade_depth: 2, ..sky.clone() };
         assert!(["shade_falloff", "shade_depth"].iter().all(|knob| idle.why_idle(knob).is_some()));
         assert_eq!(hash(&idle), hash(&sky));

@@ -406,9 +406,9 @@ impl SelfOrganizing {
             "limbs below a longer stretch of bare trunk are shed; 0: they stay",
             crown_gap_m,
             details(
-                "The crown then ends where it is no longer closed, and no limb hangs alone below it. Some internodes are a \
-                 usual gap: 5. A limb counts as one with a thousandth of the tree's internodes, and what hangs below stays \
-                 where it has more than a fifth of them: it is a storey of the crown."
+                "The crown then ends where it is no longer closed, and no limb hangs alone below it. 4 or 5 internodes are \
+                 usual, more than a year's shoot where phyllotaxis is whorled: whorls are so far apart. A limb counts with a \
+                 thousandth of what its stem bears; what hangs below a gap and has more than a fifth of it stays as a storey."
             ),
             see_also(&["shed", "bole"])
         ),
@@ -483,7 +483,8 @@ impl SelfOrganizing {
             "decline_from" if self.decline_years.is_none() => Some("decline is auto: vigor stays"),
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
-            "shed_grace" | "shed_patience" | "dead_years" if self.shed == 0.0 => Some("shed is 0"),
+            "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "dead_years" if self.shed == 0.0 && self.crown_gap_m == 0.0 => Some("shed is 0"),
             "stool" | "stem_lean" if self.stems == 1 => {
                 Some("stems is 1: the stem stands upright on its foot")
             }

@@ -36,7 +36,7 @@ pub(crate) struct Lost {
 /// A foot that is marked already takes its tree with it: it is felled.
 ///
 /// A branch that begins below the height of the bole, in internodes, is cut off whatever its light. Of what then is left
-/// goes what is [`Lone`].
+/// limbs go that are [`Lone`].
 pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32, bole: f32) -> Lost {
     let mut lost = Lost::default();
     let is_felled = |node| nodes.is_foot(node) && nodes.is(node, SHED);
@@ -61,8 +61,8 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
         let fate = fate(nodes, node, sums, settings, year, bole);
         lost.take(nodes, node, fate, &mut pipes);
     }
-    let lone = Lone::of(nodes, sums, settings);
-    if lone.is_any() {
+    let lone = Lone::of(nodes, settings);
+    if !lone.is_empty() {
         for node in 0..nodes.len() {
             let fate = fate_of_lone(nodes, node, &lone, settings);
             lost.take(nodes, node, fate, &mut pipes);
@@ -151,7 +151,7 @@ fn fate_of_lone(nodes: &Nodes, node: usize, lone: &Lone, settings: &SelfOrganizi
         return Fate::Stays;
     }
     let parent = nodes.parents[node] as usize;
-    let is_lone = lone.holds(parent) && nodes.is(node, LATERAL);
+    let is_lone = lone.begins_with(node);
     match (nodes.is(parent, SHED), is_dead) {
         (true, _) => Fate::Goes,
         (false, true) => Fate::Stays,

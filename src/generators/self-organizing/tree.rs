@@ -86,8 +86,9 @@ pub(crate) const PARTS: u32 = 16;
 
 /// Bytes of a node with all that a year works out for it.
 pub(crate) const NODE_BYTES: u64 = Nodes::BYTES + YEAR_BYTES;
-/// Light and sums (28) with shares and the lists of children (32), or, later, pipes, loads and places before (48).
-const YEAR_BYTES: u64 = 28 + 32;
+/// Light and sums (28) with shares and the lists of children (32), later with shares (24), what is counted for lone limbs
+/// (14) and pipes (4), or, later still, pipes, loads and places before (48).
+const YEAR_BYTES: u64 = 28 + 24 + 14 + 4;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug)]

@@ -15,7 +15,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The same trees, dressed only as far as somebody looks at them: see [`Recipe::wanting`].
+    /// The same trees, dressed only as far as files or pictures hold them: see [`Recipe::wanting`].
     #[must_use]
     pub fn wanting(mut self, wanted: Wanted) -> Self {
         for tree in &mut self.trees {

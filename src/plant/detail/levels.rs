@@ -419,7 +419,7 @@ impl Plan {
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
             scenes.push(billboard(&scenes[0], &how, &held)?);
         }
-        Ok(in_turn(scenes, detail))
+        Ok(with_coverage(scenes, detail))
     }
 
     /// Dresses the tree as simplified as each of its levels asks for.
@@ -473,7 +473,7 @@ impl Plan {
 }
 
 /// Scenes from the finest to the coarsest as levels, each with the least height on the screen that it is for.
-fn in_turn(scenes: Vec<Scene>, detail: &DetailSettings) -> Vec<Level> {
+fn with_coverage(scenes: Vec<Scene>, detail: &DetailSettings) -> Vec<Level> {
     // As many triangles per pixel in each: the height goes with the root of their number.
     let step = (detail.lod_ratio as f32).sqrt();
     let most = scenes[0].triangles().max(1) as f32;

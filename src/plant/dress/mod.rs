@@ -166,14 +166,16 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<Scene, DressError> {
         let organs = self.organs(specimen, body.organs);
-        let (mut parts, mut materials) = (Vec::new(), vec![self.bark.clone()]);
-        if specimen.wanted.surface {
+        let (parts, materials) = if specimen.wanted.surface {
             let held = body.bytes() + specimen.inputs.bytes() + self.bytes();
             let monitor: &dyn Monitor = &Holding::new(monitor, held);
-            (parts, materials) = self.wood(specimen, body, blown, monitor)?;
+            let (mut parts, mut materials) = self.wood(specimen, body, blown, monitor)?;
             let wooded = Holding::new(monitor, parts.iter().map(Part::bytes).sum());
             self.leaves((body.organs, &organs), blown, &mut materials, &mut parts, &wooded)?;
-        }
+            (parts, materials)
+        } else {
+            (Vec::new(), vec![self.bark.clone()])
+        };
         Ok(Scene {
             name: specimen.name.to_owned(),
             recipe: String::new(),
