@@ -226,6 +226,33 @@ fn mistakes_are_told_before_anything_grows() {
     assert!(!folder.file("out").exists());
 }
 
+/// Farms start as many parts as they like.
+#[test]
+fn a_shard_without_trees_says_so() {
+    let folder = folder();
+    let said = batch(&folder, "out", &["--shard", "20/30"]);
+    assert_eq!((said.code, said.out.as_str()), (Some(0), ""));
+    assert!(said.err.contains("shard 20/30 has no trees: the manifest has 14"), "{}", said.err);
+    assert!(!said.err.contains("there already") && !folder.file("out").exists(), "{}", said.err);
+}
+
+#[test]
+fn flags_of_other_modes_are_refused() {
+    let folder = folder();
+    for flag in ["--sheet=s.png", "--usd=all.usda", "--tiles=t.json", "--places=p.csv"] {
+        for mode in [&[][..], &["--resume"], &["--dry-run"], &["--shard", "0/2"], &["--template", "slurm"]] {
+            let said = batch(&folder, "out", &[mode, &[flag]].concat());
+            assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{mode:?} {flag}: {}", said.err);
+        }
+    }
+    for mode in [&[][..], &["--resume"], &["--dry-run"], &["--merge"], &["--only", "0"], &["--shard", "0/2"]]
+    {
+        let said = batch(&folder, "out", &[mode, &["--parts", "3"]].concat());
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{mode:?}: {}", said.err);
+    }
+    assert!(!folder.file("out").exists());
+}
+
 #[test]
 fn a_manifest_names_no_files_outside_its_folder() {
     let folder = Folder::new();

@@ -8,6 +8,7 @@ use clap::Args;
 use linden::Monitor;
 use linden_exporters::ExportError;
 
+use super::NO_MERGE;
 use super::assembly::{Assembled, AssemblyKind};
 use super::contact::Contact;
 use super::part::{Part, ranges};
@@ -23,20 +24,20 @@ use crate::progress::Progress;
 pub struct Merged {
     /// With --merge: a contact sheet (.png, .jpg, .webp) of at most 240 trees, evenly chosen. The manifest's formats
     /// must have "thumbnail"
-    #[arg(long, value_name = "FILE", requires = "merge")]
+    #[arg(long, value_name = "FILE", requires = "merge", conflicts_with_all = NO_MERGE)]
     sheet: Option<PathBuf>,
 
     /// With --merge: one USD file (.usda) that names those of all trees as payloads, side by side or by --places
-    #[arg(long, value_name = "FILE", requires = "merge")]
+    #[arg(long, value_name = "FILE", requires = "merge", conflicts_with_all = NO_MERGE)]
     usd: Option<PathBuf>,
 
     /// With --merge: a tileset of 3D Tiles (.json) over the glTF files of all trees, side by side or by --places
-    #[arg(long, value_name = "FILE", requires = "merge")]
+    #[arg(long, value_name = "FILE", requires = "merge", conflicts_with_all = NO_MERGE)]
     tiles: Option<PathBuf>,
 
     /// For --usd and --tiles: where trees stand. CSV with the columns x and z (metres, Y is up), and if they are there y,
     /// turn (degrees), scale, tree (its number), source
-    #[arg(long, value_name = "TABLE", requires = "merge")]
+    #[arg(long, value_name = "TABLE", requires = "merge", conflicts_with_all = NO_MERGE)]
     places: Option<PathBuf>,
 }
 

@@ -74,21 +74,28 @@ pub struct Batch {
     dry_run: bool,
 
     /// Grow nothing; write index.jsonl over all parts, and say what is missing
-    #[arg(long, conflicts_with_all = ["resume", "shard"])]
+    #[arg(long, conflicts_with_all = NO_MERGE)]
     merge: bool,
 
     #[command(flatten)]
     merged: Merged,
 
     /// Grow nothing; print a job that spreads this batch over machines
-    #[arg(long, value_name = "ENGINE", conflicts_with_all = ["resume", "only", "shard", "dry_run", "merge"])]
+    #[arg(long, value_name = "ENGINE", conflicts_with_all = NO_TEMPLATE)]
     template: Option<Engine>,
 
     /// For --template: so many parts, each some minutes of work at best; without, one for each ten trees, 1000 at
     /// most. Open Job Description finds that by itself
-    #[arg(long, value_name = "N", requires = "template", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", requires = "template", conflicts_with_all = NO_TEMPLATE,
+        value_parser = clap::value_parser!(u32).range(1..=100_000))]
     parts: Option<u32>,
 }
+
+/// What excludes `--merge`, and with it every flag that requires it: clap forgives a missing flag that could not be given.
+const NO_MERGE: [&str; 4] = ["resume", "shard", "dry_run", "template"];
+
+/// What excludes `--template`, likewise.
+const NO_TEMPLATE: [&str; 5] = ["resume", "only", "shard", "dry_run", "merge"];
 
 /// The most parts that are taken without asking: what an array of Slurm may have as it is installed.
 const MOST_PARTS: usize = 1000;
@@ -121,6 +128,13 @@ impl Batch {
         if self.merge {
             let part = self.only.is_some().then_some(&part);
             return self.merged.write(&plan, part, &self.out, &progress);
+        }
+        if let Some(shard) = self.shard.as_ref().filter(|_| part.numbers().next().is_none()) {
+            say(&format!(
+                "note: shard {shard} has no trees: the manifest has {}, numbered from 0",
+                plan.len()
+            ));
+            return Ok(());
         }
         std::fs::create_dir_all(&self.out)
             .map_err(|error| anyhow::anyhow!("making the folder {}: {error}", show(&self.out)))?;
