@@ -253,6 +253,59 @@ fn flags_of_other_modes_are_refused() {
     assert!(!folder.file("out").exists());
 }
 
+/// As `export` says it of each, but once for all of them.
+#[test]
+fn what_has_no_effect_is_said_once_and_in_the_rows() {
+    let folder = Folder::new();
+    folder.write(
+        "m.toml",
+        "formats = [\"obj\"]\n[[trees]]\nsource = \"dressed-simple\"\nseeds = \"1..4\"\n\
+         set = { points = 60, bark_size = 16, leaf_size = 32, wind = \"sway\", lod_ratio = 0.5 }\n",
+    );
+    let one = folder.run(&[
+        "export",
+        "dressed-simple",
+        "-o",
+        "one.obj",
+        "--seed",
+        "1",
+        "--set",
+        "points=60",
+        "--set",
+        "bark_size=16",
+        "--set",
+        "leaf_size=32",
+        "--set",
+        "wind=sway",
+        "--set",
+        "lod_ratio=0.5",
+    ]);
+    let expected: BTreeSet<&str> = one.err.lines().filter_map(|line| line.strip_prefix("note: ")).collect();
+    assert!(expected.len() > 1 && one.err.contains("holds no wind"), "{}", one.err);
+    let said = batch(&folder, "whole", &["--jobs", "1"]);
+    let of_all: BTreeSet<&str> = said
+        .err
+        .lines()
+        .map(|line| line.strip_prefix("note: ").and_then(|line| line.strip_suffix(" (4 trees)")).expect(line))
+        .collect();
+    assert_eq!((said.code, of_all), (Some(0), expected.clone()), "{}", said.err);
+    assert_eq!(said.err.lines().count(), expected.len(), "{}", said.err);
+    assert_eq!(batch(&folder, "again", &["--jobs", "3"]).err, said.err);
+    for shard in ["1/2", "0/2"] {
+        let said = batch(&folder, "parts", &["--shard", shard]);
+        assert!(said.err.lines().all(|line| line.ends_with(" (2 trees)")), "{}", said.err);
+    }
+    for out in ["whole", "parts"] {
+        assert_eq!(batch(&folder, out, &["--merge"]).code, Some(0));
+        for row in index(&folder, out) {
+            let notes = row["notes"].as_array().unwrap().iter().filter_map(|note| note.as_str());
+            assert_eq!(notes.collect::<BTreeSet<_>>(), expected);
+            assert!(row["wind_loop"].is_null(), "OBJ does not sway: {row}");
+        }
+    }
+    assert!(files(&folder.file("whole")) == files(&folder.file("parts")));
+}
+
 #[test]
 fn a_manifest_names_no_files_outside_its_folder() {
     let folder = Folder::new();

@@ -4,6 +4,7 @@ mod assembly;
 mod contact;
 mod forecast;
 mod merge;
+mod noted;
 mod part;
 pub mod plan;
 mod rows;
@@ -20,6 +21,7 @@ use linden::Monitor;
 
 use self::forecast::Forecast;
 use self::merge::Merged;
+use self::noted::Noted;
 use self::part::Part;
 use self::plan::Plan;
 use self::rows::{Journal, Rows};
@@ -156,9 +158,10 @@ impl Batch {
         }
         let mut journal = Journal::begin(&self.out)?;
         let work = work::Work { plan: &plan, numbers: &missing, out: &self.out, sync: self.sync };
-        let (mut failed, mut stopped) = (0, None);
+        let (mut failed, mut stopped, mut noted) = (0, None, Noted::default());
         work.run(self.jobs.map(usize::from), &progress, |row| {
             journal.write(&row)?;
+            noted.add(&row);
             if let Some(error) = &row.error {
                 failed += 1;
                 let said = format!("tree {}: {error}", row.index);
@@ -170,6 +173,7 @@ impl Batch {
             }
             Ok(true)
         })?;
+        super::notes(&noted.lines(), &progress);
         progress.clear();
         match (stopped, failed) {
             (Some(said), _) => bail!("{said}"),

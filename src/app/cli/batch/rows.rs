@@ -43,6 +43,9 @@ pub struct Row {
     /// The last frame of its loop of wind, and frames a second; none where it does not sway.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wind_loop: Option<[u32; 2]>,
+    /// What the user should know about it: what has no effect, what its formats leave out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// How long it took; in parts alone, since it differs from run to run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -83,6 +86,15 @@ impl Row {
     pub fn main_file(&self, endings: &[&str]) -> Option<&str> {
         let of = |ending: &&str| self.key.split(' ').find(|path| path.rsplit('.').next() == Some(ending));
         endings.iter().find_map(of)
+    }
+
+    /// Notes each of these once.
+    pub fn note(&mut self, notes: impl IntoIterator<Item = String>) {
+        for note in notes {
+            if !self.notes.contains(&note) {
+                self.notes.push(note);
+            }
+        }
     }
 
     /// A row of a tree that no recipe was made of.

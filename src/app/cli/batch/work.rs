@@ -72,17 +72,23 @@ impl Work<'_> {
             Ok(if self.sync { bundle } else { bundle.unsynced() })
         };
         let mut batch = Batch::open(outputs, tree.files.clone(), bundle)?;
+        let turned = || tree.set.keys().map(String::as_str);
+        row.note(tree.recipe.preset.idle_notes(turned()));
         let grown = grow(&tree.recipe, share)?;
+        row.note(grown.notes.iter().cloned());
         row.skeleton_hash = Some(format!("{:032x}", grown.skeleton.hash()));
         row.nodes = Some(grown.skeleton.positions.len());
         row.height_m = Some(grown.skeleton.measures().height_m);
         let levels = levels(&tree.recipe, &grown, share)?;
         drop(grown);
         let holding = Holding::new(share, tree.recipe.inputs.bytes());
-        let stage = levels.stage();
+        row.note(levels.notes.iter().cloned());
+        let stage = levels.stage().turned_by(turned());
         row.bounds_m = stage.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]);
-        row.wind_loop = WindLoop::of_stage(&stage).map(|wind| [wind.frames, wind.frames_per_second]);
-        batch.write(&stage, &holding, |_| ())?;
+        let sways = batch.formats().iter().any(|(format, _)| format.holds.wind);
+        let wind_loop = WindLoop::of_stage(&stage).filter(|_| sways);
+        row.wind_loop = wind_loop.map(|wind| [wind.frames, wind.frames_per_second]);
+        batch.write(&stage, &holding, |notes| row.note(notes.iter().cloned()))?;
         share.check()?;
         for file in batch.commit()? {
             let within = file.path.strip_prefix(self.out).unwrap_or(&file.path);
