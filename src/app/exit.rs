@@ -6,10 +6,11 @@ use linden::Cancelled;
 
 /// 1: it was tried and failed.
 const FAILED: u8 = 1;
-/// 2: the command line names something that does not exist or cannot be.
+/// 2: the command line names something that does not exist or cannot be, or a document has a mistake. The same again fails
+/// again, which schedulers of jobs rely on.
 const USAGE: u8 = 2;
 
-/// An error of the command line: exit code 2.
+/// An error of what the user wrote, as a command or a document: exit code 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct Usage(pub String);
@@ -20,7 +21,7 @@ pub struct Usage(pub String);
 #[error("the program that was reading standard output has stopped")]
 pub struct ReaderGone;
 
-/// For `?` on errors of the command line.
+/// For `?` on errors of the command line and of documents.
 pub fn usage(error: impl std::fmt::Display) -> anyhow::Error {
     Usage(error.to_string()).into()
 }

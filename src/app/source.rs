@@ -151,7 +151,7 @@ pub fn named_in(document: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> 
     if builtin(name).is_ok() || user_preset(Path::new(name))?.is_some() {
         return Ok(name.into());
     }
-    let path = crate::trust::beside(document, name)?;
+    let path = crate::trust::beside(document, name).map_err(usage)?;
     // What is no file was meant for an id, and is shown as it was typed.
     if path.exists() { Ok(path) } else { Err(not_there(Path::new(name))) }
 }
@@ -361,7 +361,7 @@ impl<'a> Reader<'a> {
             InputKind::Recipe => return self.recipe(path, shown, document(bytes, shown, self.monitor)?),
             InputKind::Grammar => {
                 let parsed = text::parse(utf8(bytes, shown)?).map_err(|error| {
-                    anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
+                    usage(format!("{shown}:{}:{}: {}", error.line, error.column, error.problem))
                 })?;
                 self.notes.extend(parsed.notes.into_iter().map(|note| format!("{shown}: {note}")));
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
@@ -563,15 +563,15 @@ fn hash_then(recipe: &str, name: &str) -> Option<String> {
 pub fn utf8<'a>(bytes: &'a [u8], shown: &str) -> anyhow::Result<&'a str> {
     std::str::from_utf8(bytes).map_err(|error| {
         let line = bytes[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
-        anyhow::anyhow!("reading {shown}, line {line}: not UTF-8 text; save the file as UTF-8")
+        usage(format!("reading {shown}, line {line}: not UTF-8 text; save the file as UTF-8"))
     })
 }
 
 /// A fault with its file before it, as compilers and editors have it: `my.toml:3:7: …`.
 pub fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
     match fault.place {
-        Some(place) => anyhow::anyhow!("{shown}:{place}: {}", fault.message),
-        None => anyhow::anyhow!("{shown}: {}", fault.message),
+        Some(place) => usage(format!("{shown}:{place}: {}", fault.message)),
+        None => usage(format!("{shown}: {}", fault.message)),
     }
 }
 

@@ -18,11 +18,20 @@ fn refused(folder: &Folder, code: i32, args: &[&str], says: &[&str]) {
     assert_eq!(folder.content(), before, "{args:?} wrote something");
 }
 
+/// A text that somebody wrote with a mistake, given as the source: to try it again is no use.
+fn refused_document(name: &str, content: impl AsRef<[u8]>, says: &[&str]) {
+    refused_source(2, name, content, says);
+}
+
 /// One bad file, given as the source.
 fn refused_file(name: &str, content: impl AsRef<[u8]>, says: &[&str]) {
+    refused_source(1, name, content, says);
+}
+
+fn refused_source(code: i32, name: &str, content: impl AsRef<[u8]>, says: &[&str]) {
     let folder = Folder::new();
     folder.write(name, content);
-    refused(&folder, 1, &["export", name, "-o", "out.glb"], says);
+    refused(&folder, code, &["export", name, "-o", "out.glb"], says);
 }
 
 fn refused_usage(args: &[&str], says: &[&str]) {
@@ -159,19 +168,19 @@ fn rules_that_explode_are_refused_at_once() {
 #[test]
 fn grammars_with_mistakes() {
     let grammar = |rules: &str| format!("axiom=F\nangle=20\nnumber of derivations=2\n{rules}\n");
-    refused_file("g.txt", grammar("F=(0.5)FF\nF=(0.4)F"), &["g.txt", "'F'", "0.9"]);
-    refused_file("g.txt", grammar("F=(1)F[+F"), &["g.txt:4:7", "never closed"]);
-    refused_file("g.txt", grammar("F=(1)F]F"), &["g.txt:4:7", "never opened"]);
-    refused_file("g.txt", "axiom=F\nangle=twenty\nnumber of derivations=2\n", &["g.txt:2:7", "twenty"]);
+    refused_document("g.txt", grammar("F=(0.5)FF\nF=(0.4)F"), &["g.txt", "'F'", "0.9"]);
+    refused_document("g.txt", grammar("F=(1)F[+F"), &["g.txt:4:7", "never closed"]);
+    refused_document("g.txt", grammar("F=(1)F]F"), &["g.txt:4:7", "never opened"]);
+    refused_document("g.txt", "axiom=F\nangle=twenty\nnumber of derivations=2\n", &["g.txt:2:7", "twenty"]);
     refused_file("g.txt", b"axiom=F\nangle=20\xff\nnumber of derivations=2\n", &["g.txt", "line 2", "UTF-8"]);
 }
 
 #[test]
 fn recipes_with_mistakes() {
-    refused_file("r.json", "{\"id\": \"r\", \"id\": \"s\"}", &["r.json:1:", "'id' stands twice"]);
-    refused_file("r.json", "{\"id\": null}", &["r.json:1:", "null"]);
-    refused_file("r.json", "{\"id\": \"r\",", &["r.json:1:"]);
-    refused_file(
+    refused_document("r.json", "{\"id\": \"r\", \"id\": \"s\"}", &["r.json:1:", "'id' stands twice"]);
+    refused_document("r.json", "{\"id\": null}", &["r.json:1:", "null"]);
+    refused_document("r.json", "{\"id\": \"r\",", &["r.json:1:"]);
+    refused_document(
         "r.json",
         "{\"id\": \"r\", \"lsystem\": {\"axiom\": \"F\", \"rules\": [\"F=F[\"]}}",
         &["r.json", "never closed"],
@@ -180,24 +189,28 @@ fn recipes_with_mistakes() {
 
 #[test]
 fn presets_with_mistakes() {
-    refused_file(
+    refused_document(
         "p.toml",
         "id = \"p\"\n[colonization]\ncrown = \"cone\"\npionts = 3\n",
         &["p.toml:4:1", "did you mean 'points'"],
     );
-    refused_file(
+    refused_document(
         "p.toml",
         "id = \"p\"\n[colonization]\ncrown = \"cone\"\npoints = -3\n",
         &["p.toml:4:10", "'points'"],
     );
-    refused_file(
+    refused_document(
         "p.toml",
         "id = \"p\"\n[lsystem]\naxiom = \"F\"\nrules = [\"F -> F[+F\"]\n",
         &["p.toml:4:17", "never closed"],
     );
-    refused_file("p.toml", "id = \"p\"\n[colonization\n", &["p.toml:2:"]);
-    refused_file("p.toml", "id = \"\"\n[colonization]\ncrown = \"cone\"\n", &["p.toml:1:6", "'id' is empty"]);
-    refused_file("p.toml", "id = \"p\"\n", &["p.toml", "[lsystem]", "[colonization]"]);
+    refused_document("p.toml", "id = \"p\"\n[colonization\n", &["p.toml:2:"]);
+    refused_document(
+        "p.toml",
+        "id = \"\"\n[colonization]\ncrown = \"cone\"\n",
+        &["p.toml:1:6", "'id' is empty"],
+    );
+    refused_document("p.toml", "id = \"p\"\n", &["p.toml", "[lsystem]", "[colonization]"]);
     refused_file("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"none.obj\"\n", &["none.obj"]);
 }
 
@@ -211,7 +224,7 @@ fn a_mistake_as_long_as_a_file_is_quoted_in_one_short_line() {
     ] {
         folder.write(name, content);
         let said = folder.run(&["show", name]);
-        assert_eq!(said.code, Some(1));
+        assert_eq!(said.code, Some(2));
         assert!(said.err.len() < 600, "{} bytes", said.err.len());
         assert!(said.err.contains("AAA…"), "{}", said.err);
     }
@@ -327,7 +340,7 @@ fn forests_that_cannot_be() {
         &["Simple tree in leaf", "triangles=10", "ask for at least"],
     );
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"fir\"\nsahre = 2\n");
-    forest(&["f.toml"], 1, &["f.toml:4:1", "sahre"]);
+    forest(&["f.toml"], 2, &["f.toml:4:1", "sahre"]);
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"none.toml\"\n");
     forest(&["f.toml"], 2, &["none.toml"]);
 }
@@ -364,7 +377,7 @@ fn budgets_levels_and_seasons_that_cannot_be() {
 #[test]
 fn file_names_are_never_printed_raw() {
     let name = "evil\u{1b}]0;owned\u{7}\u{202e}.txt";
-    refused_file(
+    refused_document(
         name,
         "axiom=F\nangle=20\nnumber of derivations=2\nF=(1)F[+F\n",
         &["\\u{1b}", "\\u{202e}", "never closed"],
@@ -485,18 +498,22 @@ fn places_too_far_for_growth_are_refused_where_they_stand() {
             "id = \"far\"\n[colonization]\ncrown = \"sphere\"\n[[colonization.part]]\nrole = \"tree\"\ncrown = \"sphere\"\n{keys}\n"
         )
     };
-    refused_file("far.toml", part("root = [3.6, 1e60, 0]"), &["far.toml:7:8: knob 'root'", "within ±1e9"]);
-    refused_file("far.toml", part("root = [0, 0, 0]\nat = [-2e9, 0, 0]"), &["far.toml:8:6: knob 'at'"]);
+    refused_document(
+        "far.toml",
+        part("root = [3.6, 1e60, 0]"),
+        &["far.toml:7:8: knob 'root'", "within ±1e9"],
+    );
+    refused_document("far.toml", part("root = [0, 0, 0]\nat = [-2e9, 0, 0]"), &["far.toml:8:6: knob 'at'"]);
     let crown =
         "id = \"far\"\n[colonization]\ncrown = \"revolution\"\nprofile_points = [[0, 1], [1e60, 1]]\n";
-    refused_file("far.toml", crown, &["far.toml:4:18: knob 'profile_points'"]);
+    refused_document("far.toml", crown, &["far.toml:4:18: knob 'profile_points'"]);
     // Within the range, but coarser than its steps: said before anything grows there.
     refused_file("far.toml", part("root = [0, 9e8, 0]\ntrunk = 2"), &["single precision"]);
     let folder = Folder::new();
     folder.write("wood.toml", "[[tree]]\npreset = \"fir\"\nsize = 1e60\n");
     refused(
         &folder,
-        1,
+        2,
         &["forest", "wood.toml", "-o", "x.glb"],
         &["wood.toml:3:8: knob 'size'", "0.001 to 1000"],
     );
@@ -506,16 +523,16 @@ fn places_too_far_for_growth_are_refused_where_they_stand() {
 fn a_mesh_in_the_wrong_place_is_told_the_right_one() {
     let crown = |keys: &str| format!("id = \"a\"\n[colonization]\n{keys}\n");
     let right = "envelope = \"crown.obj\"";
-    refused_file("a.toml", crown("crown = \"mesh\""), &["a.toml:3:9: knob 'crown'", right]);
-    refused_file("a.toml", crown("crown = \"hull.obj\""), &["a.toml:3:9: knob 'crown'", right]);
-    refused_file("a.toml", crown("mesh = \"hull.obj\""), &["a.toml:3:1", "no 'mesh'", right]);
-    refused_file(
+    refused_document("a.toml", crown("crown = \"mesh\""), &["a.toml:3:9: knob 'crown'", right]);
+    refused_document("a.toml", crown("crown = \"hull.obj\""), &["a.toml:3:9: knob 'crown'", right]);
+    refused_document("a.toml", crown("mesh = \"hull.obj\""), &["a.toml:3:1", "no 'mesh'", right]);
+    refused_document(
         "a.toml",
         crown("crown = \"dome\"\nmesh = \"hull.obj\""),
         &["a.toml:4:1", "no 'mesh'", right],
     );
     let both = crown("crown = \"dome\"\nenvelope = \"hull.obj\"");
-    refused_file("a.toml", both, &["a.toml:4:1", "'crown' and 'envelope'", "keep one"]);
+    refused_document("a.toml", both, &["a.toml:4:1", "'crown' and 'envelope'", "keep one"]);
 }
 
 #[test]

@@ -212,6 +212,12 @@ fn mistakes_are_told_before_anything_grows() {
             "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"0..18446744073709551615\"\n",
             "more than 10000000",
         ),
+        // Mistakes of the document itself.
+        ("formats = [\"glb\"\n", "m.toml:"),
+        ("format = [\"glb\"]\n", "did you mean 'formats'"),
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"5..1\"\n", "m.toml:4:"),
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { points = \"9..1\" }\n", "m.toml:4:"),
+        ("{\"source\": \"oak\"}\n[]\n", "m.toml:2:1"),
         ("formats = [\"gbl\"]\n[[trees]]\nsource = \"oak\"\n", "glb"),
         ("formats = [\"glb\"]\n[[trees]]\nsource = \"fir\"\nset = { pionts = 3 }\n", "points"),
         (
@@ -316,7 +322,7 @@ fn a_manifest_names_no_files_outside_its_folder() {
     for name in ["../secret.txt", secret.to_str().unwrap(), "../../../etc/passwd", "/etc/passwd"] {
         folder.write("jail/m.toml", format!("formats = [\"qsm\"]\n[[trees]]\nsource = '{name}'\n"));
         let said = folder.run(&["batch", "jail/m.toml", "--out", "out"]);
-        assert!(said.code == Some(1) && said.err.contains("--allow-path"), "{name}: {}", said.err);
+        assert!(said.code == Some(2) && said.err.contains("--allow-path"), "{name}: {}", said.err);
         assert!(!folder.file("out").exists(), "{name}");
     }
     folder.write("jail/m.toml", "formats = [\"qsm\"]\n[[trees]]\nsource = \"own.txt\"\n");

@@ -122,7 +122,7 @@ Examples:
   linden batch trees.toml --shard 0/4 --out trees
   linden doctor
 
-Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
+Exit codes: 0 done, 1 failed, 2 wrong usage or a mistake in a document, 130 interrupted.";
 
 #[derive(Subcommand)]
 enum CliCommand {
