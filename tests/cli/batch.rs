@@ -215,7 +215,8 @@ fn mistakes_are_told_before_anything_grows() {
         // Mistakes of the document itself.
         ("formats = [\"glb\"\n", "m.toml:"),
         ("format = [\"glb\"]\n", "did you mean 'formats'"),
-        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"5..1\"\n", "m.toml:4:"),
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"5..1\"\n", "write 1..5"),
+        ("formats = [\"qsm\", \"qsm\"]\n[[trees]]\nsource = \"oak\"\n", "qsm twice"),
         ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { points = \"9..1\" }\n", "m.toml:4:"),
         ("{\"source\": \"oak\"}\n[]\n", "m.toml:2:1"),
         ("formats = [\"gbl\"]\n[[trees]]\nsource = \"oak\"\n", "glb"),

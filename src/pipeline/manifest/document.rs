@@ -1,6 +1,7 @@
 //! A manifest's text: TOML as people write it, or JSON Lines, one tree a line.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use linden_base::document::{Datum, Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{did_you_mean, excerpt, nearest};
@@ -44,7 +45,7 @@ impl Manifest {
                         manifest.options.insert(name.to_owned(), scalar(name, value)?);
                     }
                 }
-                "seed" => manifest.seed = whole(entry, u64::MAX)?,
+                "seed" => manifest.seed = whole(entry, 0, u64::MAX)?,
                 "trees" => manifest.trees = TREES.read(&entry.node, kind)?,
                 other => {
                     let meant = did_you_mean(nearest(other, KEYS));
@@ -100,9 +101,9 @@ fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Tr
         match entry.key.as_str() {
             "source" => entry.node.text("source")?.clone_into(&mut kind.source),
             "formats" => kind.formats = texts(entry)?,
-            "seed" => kind.seeds = Some(Seeds::List(vec![whole(entry, u64::MAX)?])),
+            "seed" => kind.seeds = Some(Seeds::List(vec![whole(entry, 0, u64::MAX)?])),
             "seeds" => kind.seeds = Some(seeds(entry)?),
-            "samples" => kind.samples = whole(entry, MOST_SAMPLES)?.max(1),
+            "samples" => kind.samples = whole(entry, 1, MOST_SAMPLES)?,
             "sampling" => {
                 let word = entry.node.text("sampling")?;
                 let found = Sampling::named(word);
@@ -176,15 +177,34 @@ fn scalar_of(name: &str, node: &Node) -> Result<String, Fault> {
 
 fn texts(entry: &Entry) -> Result<Vec<String>, Fault> {
     let Datum::List(nodes) = &entry.node.datum else {
-        return Err(entry.node.mismatch(&entry.key, "a list like [\"glb\", \"csv\"]"));
+        return Err(entry.node.mismatch(&entry.key, "a list like [\"glb\", \"qsm\"]"));
     };
-    nodes.iter().map(|node| Ok(node.text(&entry.key)?.to_owned())).collect()
+    let texts = nodes.iter().map(|node| Ok(node.text(&entry.key)?.to_owned()));
+    let texts: Vec<String> = texts.collect::<Result<_, Fault>>()?;
+    distinct(&entry.key, nodes, &texts)?;
+    Ok(texts)
 }
 
-fn whole(entry: &Entry, most: u64) -> Result<u64, Fault> {
+/// Refuses what stands twice in a list: each would write the same files.
+fn distinct<T: Ord + Display>(key: &str, nodes: &[Node], values: &[T]) -> Result<(), Fault> {
+    let mut before = BTreeSet::new();
+    match values.iter().position(|value| !before.insert(value)) {
+        Some(at) => {
+            let value = excerpt(&values[at].to_string());
+            Err(Fault::new(nodes[at].place, format!("'{key}' has {value} twice; keep one")))
+        }
+        None => Ok(()),
+    }
+}
+
+fn whole(entry: &Entry, least: u64, most: u64) -> Result<u64, Fault> {
     match entry.node.datum {
-        Datum::Integer(n) if n <= most => Ok(n),
-        _ => Err(entry.node.mismatch(&entry.key, &format!("a whole number from 0 to {most}"))),
+        Datum::Integer(n) if (least..=most).contains(&n) => Ok(n),
+        Datum::Integer(n) => {
+            let message = format!("'{}' is {n}, expected a whole number from {least} to {most}", entry.key);
+            Err(Fault::new(entry.node.place, message))
+        }
+        _ => Err(entry.node.mismatch(&entry.key, &format!("a whole number from {least} to {most}"))),
     }
 }
 
@@ -198,7 +218,9 @@ fn seeds(entry: &Entry) -> Result<Seeds, Fault> {
                 Datum::Integer(seed) => Ok(seed),
                 _ => Err(node.mismatch("seeds", "a whole number")),
             });
-            Ok(Seeds::List(each.collect::<Result<_, _>>()?))
+            let seeds: Vec<u64> = each.collect::<Result<_, _>>()?;
+            distinct("seeds", nodes, &seeds)?;
+            Ok(Seeds::List(seeds))
         }
         Datum::Text(text) => {
             let ends = text
@@ -206,6 +228,11 @@ fn seeds(entry: &Entry) -> Result<Seeds, Fault> {
                 .and_then(|(a, b)| Some((a.trim().parse().ok()?, b.trim().parse().ok()?)));
             match ends {
                 Some((first, last)) if first <= last => Ok(Seeds::Range(first, last)),
+                Some((first, last)) => {
+                    let message =
+                        format!("'seeds': {first}..{last} ends before it begins; write {last}..{first}");
+                    Err(Fault::new(entry.node.place, message))
+                }
                 _ => Err(entry.node.mismatch("seeds", EXPECTED)),
             }
         }
@@ -291,7 +318,23 @@ mod tests {
                 "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseed_s = 3\n",
                 "4:1: kind 1 has no 'seed_s' (did you mean",
             ),
-            ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"3..1\"\n", "4:9: 'seeds' is"),
+            (
+                "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = \"3..1\"\n",
+                "4:9: 'seeds': 3..1 ends before it begins; write 1..3",
+            ),
+            (
+                "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nseeds = [1, 2, 1]\n",
+                "4:16: 'seeds' has 1 twice",
+            ),
+            (
+                "formats = [\"qsm\", \"glb\", \"qsm\"]\n[[trees]]\nsource = \"oak\"\n",
+                "1:26: 'formats' has qsm twice",
+            ),
+            ("formats = \"glb\"\n", "a list like [\"glb\", \"qsm\"]"),
+            (
+                "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nsamples = 0\n",
+                "4:11: 'samples' is 0, expected a whole number from 1 to",
+            ),
             (
                 "formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { points = \"9..1\" }\n",
                 "the first number must be the smaller one",
