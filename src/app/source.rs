@@ -122,6 +122,15 @@ pub fn open(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
     reading::open(source, monitor).with_context(|| format!("reading {}", show(source)))
 }
 
+/// Opens what an argument names as a file alone, and no preset's id can mean: a manifest, a configuration.
+pub fn open_file(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
+    let is_missing = path.metadata().is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    if is_missing && !is_standard_input(path) {
+        return Err(usage(format!("there is no file '{}'", show(path))));
+    }
+    open(path, monitor)
+}
+
 /// The preset of the user's that an id means: an id is first that of what is built in, then of a preset of
 /// the user's; a file of such a name is given as ./NAME.
 ///

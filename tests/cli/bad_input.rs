@@ -124,6 +124,7 @@ fn knobs_turned_wrong() {
     refused_usage(&fir("root=1,inf,2"), &["'root'"]);
     refused_usage(&fir("angle=20"), &["no knob 'angle'"]);
     refused_usage(&fir("points"), &["KNOB=VALUE"]);
+    refused_usage(&fir("step=5cm"), &["'step'", "'5cm' is not", "write the number alone, in m"]);
     refused_usage(&fir("obj.lines=true"), &["obj"]);
     refused_usage(&fir("glb.lines=true"), &["glb", "'lines'"]);
     refused_usage(&fir("root=0,1e60,0"), &["'root'", "outside the range: x,y,z within ±1e9"]);
@@ -211,6 +212,16 @@ fn presets_with_mistakes() {
         &["p.toml:1:6", "'id' is empty"],
     );
     refused_document("p.toml", "id = \"p\"\n", &["p.toml", "[lsystem]", "[colonization]"]);
+    refused_document(
+        "p.toml",
+        "id = \"p\"\n[colonisation]\ncrown = \"cone\"\n",
+        &["p.toml:2:2: a preset has no [colonisation] (did you mean 'colonization'?)"],
+    );
+    refused_document(
+        "p.toml",
+        "id = \"p\"\n[colonization]\ncrown = \"cone\"\n[foliage]\nleaf_length = \"8cm\"\n",
+        &["p.toml:5:15: knob 'leaf_length'", "'8cm' is not", "write the number alone, in m"],
+    );
     refused_file("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"none.obj\"\n", &["none.obj"]);
 }
 

@@ -231,6 +231,9 @@ fn mistakes_are_told_before_anything_grows() {
         assert!(said.code == Some(2) && said.err.contains(expected), "{text}: {}", said.err);
     }
     assert!(!folder.file("out").exists());
+    let said = folder.run(&["batch", "none.toml"]);
+    assert!(said.code == Some(2) && said.err.contains("there is no file 'none.toml'"), "{}", said.err);
+    assert!(!said.err.contains("preset"), "{}", said.err);
 }
 
 /// Farms start as many parts as they like.

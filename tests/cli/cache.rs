@@ -201,4 +201,7 @@ fn it_is_shown_cleared_and_turned_off() {
     let wrong = cached.run(&["cache"], &[("LINDEN_CACHE", "much")]);
     assert_eq!(wrong.code, Some(2));
     assert!(wrong.err.contains("LINDEN_CACHE: 'much': expected off, auto"), "{}", wrong.err);
+    assert!(!wrong.err.contains("LINDEN_CACHE_DIR"), "{}", wrong.err);
+    let folder = cached.run(&["cache"], &[("LINDEN_CACHE", "/some/dir")]);
+    assert!(folder.code == Some(2) && folder.err.contains("LINDEN_CACHE_DIR"), "{}", folder.err);
 }

@@ -200,6 +200,7 @@ fn exit_codes_are_for_scripts() {
     folder.write("r.toml", "[rules]\ndegenrate = \"error\"\n");
     for (args, expected) in [
         (&["a.obj", "--config", "r.toml"][..], "did you mean 'degenerate'?"),
+        (&["a.obj", "--config", "none.toml"], "there is no file 'none.toml'\n"),
         (&["a.obj", "--profile", "desk"], "desktop"),
         (&["a.obj", "--set", "triangles.max=many"], "no number"),
         (&[], "required"),

@@ -50,7 +50,12 @@ impl CacheSize {
             "auto" => Ok(Self::Auto),
             text => match memory::parse(text) {
                 Ok(Some(bytes)) => Ok(Self::Bytes(bytes)),
-                _ => Err(format!("'{}': expected {TAKES}", excerpt(text))),
+                _ => {
+                    // A folder's is another variable.
+                    let is_path = text.contains(std::path::is_separator);
+                    let hint = if is_path { "; LINDEN_CACHE_DIR names the folder" } else { "" };
+                    Err(format!("'{}': expected {TAKES}{hint}", excerpt(text)))
+                }
             },
         }
     }

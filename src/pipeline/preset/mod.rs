@@ -31,7 +31,7 @@ use std::fmt;
 
 use linden_base::document::NamesFiles;
 use linden_base::input::Inputs;
-use linden_base::knob::{Knob, Spread, Value, nearest, printable};
+use linden_base::knob::{Kind, Knob, Spread, Value, nearest, printable};
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 use linden_plant::settings::Dressing;
@@ -189,6 +189,22 @@ impl fmt::Display for Meant<'_> {
         self.0.map_or(Ok(()), |knob| {
             write!(f, " (did you mean '{}'{}: {}?)", knob.name, InUnit(knob.unit), knob.kind)
         })
+    }
+}
+
+/// How a number is written whose unit was typed behind it, as in `8cm`.
+fn unit_hint(knob: &Knob, text: &str) -> Option<String> {
+    let text = text.trim();
+    let number =
+        text.trim_end_matches(|c: char| c.is_alphabetic() || matches!(c, '°' | '%' | '²')).trim_end();
+    let has_unit = number.len() < text.len() && number.parse::<f64>().is_ok();
+    match (&knob.kind, knob.unit) {
+        _ if !has_unit => None,
+        (Kind::Real { .. } | Kind::Integer { .. }, "") => Some("write the number alone".to_owned()),
+        (Kind::Real { .. } | Kind::Integer { .. } | Kind::Length { .. }, unit) if !unit.is_empty() => {
+            Some(format!("write the number alone, in {unit}"))
+        }
+        _ => None,
     }
 }
 
@@ -377,6 +393,7 @@ impl Preset {
         let is_its = knob.section == Section::Generator(generator.id());
         let hint = is_its.then(|| generator.value_hint(knob.knob.name, text, asked)).flatten();
         let hint = hint.map(str::to_owned).or_else(|| self.season_hint(&knob.knob, text));
+        let hint = hint.or_else(|| unit_hint(&knob.knob, text));
         hint.map_or_else(String::new, |hint| format!("; {hint}"))
     }
 

@@ -217,9 +217,20 @@ fn generator(entries: &[Entry], text: Option<&str>) -> Result<Box<dyn Settings>,
             Ok(settings)
         }
         None => {
-            let ids: Vec<String> =
-                generators::all().iter().map(|generator| format!("[{}]", generator.id())).collect();
-            Err(Fault::new(None, format!("none of {}: add the one that grows the tree", ids.join(", "))))
+            let names: Vec<&str> = generators::all().iter().map(|generator| generator.id()).collect();
+            // A table that was meant to be one of them.
+            let is_unknown = |key: &str| {
+                HEADINGS.iter().chain(&[EDITS, AGES]).all(|name| *name != key)
+                    && Section::all().iter().all(|section| section.key() != key)
+            };
+            let mut tables = entries.iter().filter(|entry| matches!(entry.node.datum, Datum::Table(_)));
+            if let Some(entry) = tables.find(|entry| is_unknown(&entry.key)) {
+                let (key, meant) = (excerpt(&entry.key), did_you_mean(nearest(&entry.key, names)));
+                return Err(Fault::new(entry.place, format!("a preset has no [{key}]{meant}")));
+            }
+            let tables: Vec<String> = names.iter().map(|name| format!("[{name}]")).collect();
+            let message = format!("none of {}: add the one that grows the tree", tables.join(", "));
+            Err(Fault::new(None, message))
         }
     }
 }

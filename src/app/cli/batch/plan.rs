@@ -56,7 +56,7 @@ impl Tree {
 impl Plan {
     pub fn read(path: &Path, progress: &Progress) -> anyhow::Result<Self> {
         let shown = show(path);
-        let content = source::open(path, progress)?;
+        let content = source::open_file(path, progress)?;
         let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
         let text = source::document(&bytes, &shown, progress)?;
         let manifest = Manifest::parse(text).map_err(|fault| source::locate(&shown, &fault))?;

@@ -152,7 +152,7 @@ impl Lint {
             None => Config::default(),
             Some(path) => {
                 let shown = show(path);
-                let content = source::open(path, progress)?;
+                let content = source::open_file(path, progress)?;
                 let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
                 let text = source::document(&bytes, &shown, progress)?;
                 Config::parse(text).map_err(|error| usage(format!("{shown}: {error}")))?
