@@ -352,6 +352,9 @@ fn forests_that_cannot_be() {
     );
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"fir\"\nsahre = 2\n");
     forest(&["f.toml"], 2, &["f.toml:4:1", "sahre"]);
+    forest(&["fir", "--trees", "2.5"], 2, &["'trees'", "2.5 is not a whole number"]);
+    folder.write("f.toml", "trees = 2.5\n[[tree]]\npreset = \"fir\"\n");
+    forest(&["f.toml"], 2, &["f.toml:1:1", "2.5 is not a whole number"]);
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"none.toml\"\n");
     forest(&["f.toml"], 2, &["none.toml"]);
 }

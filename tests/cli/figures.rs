@@ -168,3 +168,17 @@ fn files_are_listed_for_programs_and_stay_where_nothing_changes() {
     assert!(first.len() >= 3, "{first:?}");
     assert_eq!(times(), first);
 }
+
+/// A skeleton has no surface whose triangles could be counted.
+#[test]
+fn triangles_are_told_of_files_that_have_some() {
+    let folder = Folder::new();
+    let told = |output: &str| {
+        let args = ["export", "dressed-simple", "--set", "points=60", "--set", "bark_size=16", "--lods", "3"];
+        let said = folder.run(&[&args[..], &["-o", output]].concat());
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.out
+    };
+    assert!(!told("s.csv").contains("triangle"));
+    assert!(told("s.obj").contains(" / ") && told("s.glb").contains(" triangles"));
+}

@@ -142,13 +142,14 @@ impl Export {
             }
             batch.gather(&progress).map_err(explained)?;
         }
+        let has_surface = batch.formats().iter().any(|(format, _)| format.holds.surface);
         let written = commit(batch, &progress)?;
         timings.lap("commit");
         if self.timings && !self.json {
             crate::exit::say(timings.table(&source.shown, &written).trim_end());
         }
         // Where some number of them was asked for.
-        let is_asked = is_one && !source.recipe.preset.dressing.detail.is_whole();
+        let is_asked = is_one && has_surface && !source.recipe.preset.dressing.detail.is_whole();
         let triangles = triangles::told(timings.triangles()).filter(|_| is_asked);
         match (self.json, streams) {
             (true, _) => super::print(&timings.json(&source.shown, &written)?),

@@ -71,6 +71,18 @@ pub struct ForestKnob {
     write: fn(&mut Layout, Value),
 }
 
+impl ForestKnob {
+    /// What its kind leaves open: trees are counted, though `auto` makes their number no [`Kind::Integer`].
+    fn check(&self, value: &Value) -> Result<(), String> {
+        match value {
+            Value::Real(n) if self.knob.name == "trees" && n.fract() != 0.0 => {
+                Err(format!("{n} is not a whole number from 1 to 1000000, or auto"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// All settings of forests.
 pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
@@ -232,6 +244,7 @@ impl Layout {
         let knob = Self::find(name)?;
         let bad = |problem| LayoutError::Value { name: knob.knob.name, problem };
         let value = knob.knob.kind.parse(text).map_err(bad)?;
+        knob.check(&value).map_err(bad)?;
         (knob.write)(self, value);
         Ok(())
     }
@@ -272,6 +285,7 @@ mod tests {
         for ((knob, value), (name, text)) in layout.knobs().zip(typed) {
             assert_eq!((knob.knob.name, value.to_string().as_str()), (name, text));
         }
+        assert!(layout.set("trees", "2.5").unwrap_err().to_string().contains("2.5 is not a whole number"));
         layout.set("trees", "auto").unwrap();
         assert_eq!(layout.trees, None);
         let said = layout.set("spacign", "2").unwrap_err().to_string();
