@@ -62,8 +62,8 @@ pub fn welcome(model: &Model) -> String {
     let ways = [
         ("help", "all keys"),
         ("preset-next", "another tree"),
-        ("focus-next", "its knobs"),
-        ("export", "write it as a file"),
+        ("shape", "its knobs"),
+        ("export", "export it"),
     ];
     let key = |id| model.config.keymap.keys_of(id).first().map(|key| key_label(model, &key.to_string()));
     let ways = ways.into_iter().filter_map(|(id, what)| Some(format!("{} {what}", key(id)?)));
@@ -225,7 +225,7 @@ mod tests {
         let said = welcome(&bench.model);
         assert_eq!(
             said,
-            "Welcome to linden: ? all keys, j another tree, Tab its knobs, e write it as a file"
+            "Welcome to linden: ? all keys, j another tree, o its knobs, e export it"
         );
         let keymap = "[keys]\npreset-next = \"n\"\n";
         let (keymap, _) = Keymap::read(Path::new("keymap.toml"), keymap, &crate::tui::commands::key_table());

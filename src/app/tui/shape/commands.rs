@@ -366,6 +366,7 @@ pub const COMMANDS: &[Command] = &[
                 tree.replace(saved);
             }
             model.exporting.kept = None;
+            model.say("all as the saved preset has it; 'Undo' brings your changes back");
         },
     },
     Command {

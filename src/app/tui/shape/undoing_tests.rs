@@ -21,7 +21,9 @@ fn what_is_undone_is_said_and_the_cursor_goes_there() {
     assert_eq!(bench.said(), format!("done again: points 1000 → {turned}"));
     assert_eq!(super::selected(&bench.model).unwrap().0.knob.name, "points");
     // Several at once.
-    bench.on("seed").keys("right R u");
+    bench.on("seed").keys("right R");
+    assert_eq!(bench.said(), "all as the saved preset has it; 'Undo' brings your changes back");
+    bench.keys("u");
     assert_eq!(bench.said(), format!("undone: seed 1 → 2, points 1000 → {turned}"));
     assert_eq!(super::selected(&bench.model).unwrap().0.knob.name, "seed");
 }
