@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use linden::forest::{FOREST_KNOBS, Forest, LayoutError};
-use linden::knob::{Knob, Value};
+use linden::knob::{Kind, Knob, Value};
 
 use super::effect::{Effect, Effects};
 use super::model::{FormSpot, Model};
@@ -191,6 +191,16 @@ pub fn selected(model: &Model) -> Option<(&'static Knob, Value)> {
     let first = knobs.next();
     let chosen = first.iter().cloned().chain(knobs).find(|(row, _)| is_chosen(&row.knob));
     chosen.or(first).map(|(row, value)| (&row.knob, value))
+}
+
+/// How a knob is nudged: trees are counted, though `auto` makes their number a real one.
+pub fn counted(knob: &Knob, value: Value) -> (Kind, Value) {
+    match (&knob.kind, value) {
+        (Kind::Real { min, max, .. }, Value::Real(n)) if knob.name == "trees" => {
+            (Kind::Integer { min: *min as u64, max: *max as u64 }, Value::Integer(n as u64))
+        }
+        (_, value) => (knob.kind, value),
+    }
 }
 
 /// The wanted forest grew, or why not.

@@ -63,6 +63,11 @@ fn knobs_of_a_forest_are_turned_typed_undone_and_kept_on_the_shelf() {
     assert!(forest(&bench).wanted().layout.area_m > 25.0);
     bench.keys("u");
     assert_eq!(forest(&bench).wanted().layout.area_m, 25.0);
+    // Trees are counted.
+    bench.keys(":").types("trees 8").keys("enter").settle();
+    bench.keys("tab tab").run("knob-more");
+    assert_eq!(forest(&bench).wanted().layout.trees, Some(9));
+    bench.keys("u u");
     // Another preset, and back: what was changed is still so.
     bench.keys(":").types("abop-b").keys("enter").settle();
     assert!(bench.model.forest.is_none());

@@ -223,7 +223,8 @@ fn unturnable(model: &Model) -> Option<String> {
 /// What nudging the selected knob turns it to, or how it is changed instead.
 fn nudge_to(model: &Model, up: bool, how: Nudge) -> Result<(&'static str, String), String> {
     if let Some((knob, value)) = forest::selected(model) {
-        let text = nudged(&knob.kind, &value, up, how);
+        let (kind, value) = forest::counted(knob, value);
+        let text = nudged(&kind, &value, up, how);
         let typed = || format!("{} is typed: press Enter ({})", knob.name, knob.kind);
         return text.map(|text| (knob.name, text)).ok_or_else(typed);
     }
