@@ -188,6 +188,61 @@ fn one_of_several_ages_or_seasons_is_never_called_changed() {
     assert_eq!(only(&other, "fir_1.obj").1, "other-bytes");
 }
 
+/// Without its end a file says no recipe any more.
+#[test]
+fn models_in_folders_that_are_cut_off_fail() {
+    let folder = Folder::new();
+    let endings = ["glb", "gltf", "usda", "usdc", "usdz", "ply"];
+    for ending in endings {
+        export(&folder, "fir", &["-o", &format!("a.{ending}")]);
+    }
+    assert_eq!(verify(&folder, &["."]).0.code, Some(0));
+    for ending in endings {
+        folder.write(&format!("cut.{ending}"), &folder.read(&format!("a.{ending}"))[..300]);
+    }
+    folder.write("empty.obj", "");
+    let foreign = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    folder.write("foreign.obj", foreign);
+    let (said, report) = verify(&folder, &["."]);
+    let failed: Vec<&str> = report["files"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|row| row["outcome"] == "failed")
+        .map(|row| row["file"].as_str().unwrap())
+        .collect();
+    let expected =
+        ["./cut.glb", "./cut.gltf", "./cut.ply", "./cut.usda", "./cut.usdc", "./cut.usdz", "./empty.obj"];
+    assert_eq!((said.code, failed), (Some(1), expected.to_vec()), "{}", said.out);
+    assert_eq!(report["bad"], 7);
+    assert_eq!(report["without_recipe"], serde_json::json!(["./foreign.obj"]), "{report}");
+    // What anyone may have put there is named, and is no failure.
+    for name in expected {
+        fs::remove_file(folder.file(name)).unwrap();
+    }
+    let text = folder.run(&["verify", "."]);
+    assert!(text.code == Some(0) && text.out.contains("no recipe   ./foreign.obj"), "{}", text.out);
+}
+
+#[test]
+fn what_is_not_there_is_a_row_beside_the_others() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "a.gltf"]);
+    let (said, report) = verify(&folder, &["missing.glb", "a.gltf"]);
+    let rows = report["files"].as_array().unwrap();
+    let outcomes: Vec<_> = rows.iter().map(|row| [&row["file"], &row["outcome"]]).collect();
+    assert_eq!(outcomes, [["a.gltf", "same-bytes"], ["missing.glb", "missing"]]);
+    assert_eq!(said.code, Some(1));
+    let (said, report) = verify(&folder, &["missing.glb"]);
+    assert_eq!((said.code, report["bad"].as_u64()), (Some(2), Some(1)), "{}", said.err);
+    // The file itself is the same: what is beside it is missed.
+    let picture = folder.names().into_iter().find(|name| name.ends_with("bark.png")).unwrap();
+    fs::remove_file(folder.file(&picture)).unwrap();
+    let (code, outcome, reason) = only(&folder, "a.gltf");
+    assert_eq!((code, outcome.as_str()), (Some(1), "other-bytes"));
+    assert_eq!(reason, format!("{picture}, which belongs to it, is not there"));
+}
+
 #[test]
 fn what_was_changed_is_found() {
     let folder = Folder::new();

@@ -11,6 +11,8 @@ use linden::recipe::VERSION;
 use linden_lint::{Asset, Config, PROFILES, RULES, ReadError, Report, Severity, lint};
 use serde::Serialize;
 
+pub use self::files::read as read_file;
+
 use self::files::Model;
 use crate::exit::{sentence, usage};
 use crate::paths::show;

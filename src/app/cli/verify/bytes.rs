@@ -33,7 +33,7 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
     if exporters.is_empty() {
         return Ok(Bytes::NotCompared("a picture or a recipe alone: no bytes to compare".to_owned()));
     }
-    let mut first_difference = None;
+    let mut nearest: Option<Place> = None;
     for exporter in exporters {
         std::io::Seek::rewind(&mut file)?;
         let traces = exporter.traces(&mut file)?;
@@ -54,7 +54,12 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
                         let options = options.iter().map(|(name, value)| (name, value.to_string())).collect();
                         return Ok(Bytes::Same { format, options, beside });
                     }
-                    Difference::At(what) => first_difference = first_difference.or(Some(what)),
+                    Difference::At(place)
+                        if nearest.as_ref().is_none_or(|before| before.is_before(&place)) =>
+                    {
+                        nearest = Some(place);
+                    }
+                    Difference::At(_) => {}
                 }
             }
             if !exporter.format().self_contained && is_one_of_several(path, exporter.format(), monitor)? {
@@ -64,7 +69,7 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
             }
         }
     }
-    Ok(Bytes::Other(first_difference.unwrap_or_default()))
+    Ok(Bytes::Other(nearest.map(|place| place.what).unwrap_or_default()))
 }
 
 /// Where the pictures of a file may lie.
@@ -92,7 +97,23 @@ fn shared_folder(path: &Path) -> Option<PathBuf> {
 enum Difference {
     /// The files beside the main one.
     None(Vec<PathBuf>),
-    At(String),
+    At(Place),
+}
+
+/// Where files differ. Of several ways in which a file may have been written, the one that it agrees with longest is the one
+/// that it was written in.
+struct Place {
+    /// How many files are the same before: the file itself, then those beside it.
+    same_files: usize,
+    byte: u64,
+    /// For people.
+    what: String,
+}
+
+impl Place {
+    fn is_before(&self, other: &Self) -> bool {
+        (self.same_files, self.byte) < (other.same_files, other.byte)
+    }
 }
 
 /// Outputs that are written together, and which of them is the file.
@@ -166,6 +187,11 @@ fn individual(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Option<[Opti
     Ok(recipe.map(|recipe| ["id", "seed"].map(|key| recipe.get(key).cloned())))
 }
 
+fn is_picture(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ["png", "jpg", "jpeg", "webp"].iter().any(|picture| ending == *picture))
+}
+
 fn stem_of(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
@@ -203,20 +229,25 @@ impl Attempt {
         };
         batch.write(&stage, monitor, |_| ())?;
         let written = batch.commit()?;
-        let Some(main) = mains.get(self.index) else { return Ok(Difference::At(String::new())) };
-        if let Some(at) = difference(path, main)? {
-            return Ok(Difference::At(at));
+        let Some(main) = mains.get(self.index) else {
+            return Ok(Difference::At(Place { same_files: 0, byte: 0, what: String::new() }));
+        };
+        if let Some(place) = difference(path, main)? {
+            return Ok(Difference::At(place));
         }
         let own = stem_of(main);
-        let mut beside = Vec::new();
-        for side in written.iter().map(|file| &file.path).filter(|side| !mains.contains(side)) {
+        let mut same = Vec::new();
+        let sides = written.iter().map(|file| &file.path).filter(|side| !mains.contains(side));
+        // What names pictures says more than these do.
+        let (pictures, named): (Vec<_>, Vec<_>) = sides.partition(|side| is_picture(side));
+        for side in named.into_iter().chain(pictures) {
             let name = side.file_name().unwrap_or_default();
             if side.starts_with(&shared) {
                 let there = shared_folder(path).unwrap_or_default().join(name);
-                if let Some(at) = difference(&there, side)? {
-                    return Ok(Difference::At(at));
+                if let Some(place) = difference(&there, side)? {
+                    return Ok(Difference::At(Place { same_files: 1 + same.len(), ..place }));
                 }
-                beside.push(there);
+                same.push(there);
                 continue;
             }
             let text = name.to_string_lossy();
@@ -225,23 +256,24 @@ impl Attempt {
                 continue;
             }
             let there = path.with_file_name(name);
-            if let Some(at) = difference(&there, side)? {
-                return Ok(Difference::At(at));
+            if let Some(place) = difference(&there, side)? {
+                return Ok(Difference::At(Place { same_files: 1 + same.len(), ..place }));
             }
-            beside.push(there);
+            same.push(there);
         }
-        Ok(Difference::None(beside))
+        Ok(Difference::None(same))
     }
 }
 
 /// Where a file differs from what was written now.
-fn difference(there: &Path, now: &Path) -> anyhow::Result<Option<String>> {
+fn difference(there: &Path, now: &Path) -> anyhow::Result<Option<Place>> {
     let name = show(Path::new(there.file_name().unwrap_or_default()));
     let reading = || format!("reading {}", show(there));
     let mut a = match reading::open_regular(there) {
         Ok(file) => BufReader::new(file),
         Err(error) if error.kind() == ErrorKind::NotFound => {
-            return Ok(Some(format!("{name}, which belongs to it, is not there")));
+            let what = format!("{name}, which belongs to it, is not there");
+            return Ok(Some(Place { same_files: 0, byte: 0, what }));
         }
         Err(error) => return Err(error).with_context(reading),
     };
@@ -258,7 +290,9 @@ fn difference(there: &Path, now: &Path) -> anyhow::Result<Option<String>> {
             } else {
                 format!("; it has {length} bytes, its recipe gives {expected}")
             };
-            return Ok(Some(format!("{name} differs from byte {} on{lengths}", at + same)));
+            let byte = at + same;
+            let what = format!("{name} differs from byte {byte} on{lengths}");
+            return Ok(Some(Place { same_files: 0, byte, what }));
         }
         if count == 0 {
             return Ok(None);

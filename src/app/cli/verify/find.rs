@@ -11,7 +11,7 @@ use linden::input::{InputKind, sniff};
 use super::row::{Outcome, Row};
 use crate::cli::batch::listed_files;
 use crate::cli::walk::files_below;
-use crate::exit::{sentence, usage};
+use crate::exit::sentence;
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::{reading, source};
@@ -31,6 +31,8 @@ pub struct Found {
     /// Files in folders without a recipe.
     pub others: Vec<PathBuf>,
     pub listed: Listed,
+    /// How many of the paths that were named are not there.
+    pub absent: usize,
 }
 
 /// The files that the indices of batches list, with their lengths.
@@ -62,7 +64,9 @@ pub fn find(paths: &[PathBuf], progress: &Progress) -> anyhow::Result<Found> {
     for path in paths {
         let is_folder = path.is_dir();
         if !is_folder && !path.exists() {
-            return Err(usage(format!("there is no file or folder '{}'", show(path))));
+            found.absent += 1;
+            found.rows.push(Row::new(path, Outcome::Missing).because("there is no such file or folder"));
+            continue;
         }
         let files = if is_folder {
             files_below(path, progress, &mut |folder| found.list(folder))?

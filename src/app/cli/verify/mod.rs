@@ -3,6 +3,7 @@
 mod bytes;
 mod find;
 mod row;
+mod strangers;
 mod tree;
 
 use std::collections::BTreeSet;
@@ -14,6 +15,9 @@ use linden::recipe::VERSION;
 use serde::Serialize;
 
 use self::row::{Outcome, Row};
+use self::strangers::Strangers;
+use crate::exit::usage;
+use crate::paths::show;
 use crate::progress::Progress;
 
 /// Grow the recipes of files again and compare
@@ -46,6 +50,8 @@ struct VerifyReport<'a> {
     files: &'a [Row],
     /// Files in folders that carry no recipe, as pictures beside them.
     others: usize,
+    /// Those of them that are models, and whole.
+    without_recipe: Vec<String>,
     good: usize,
     bad: usize,
 }
@@ -61,16 +67,26 @@ impl Verify {
         // What an index lists is somebody's; all else in a folder is not asked for.
         let are_all_compared = rows.iter().all(|row| row.outcome != Outcome::SameTree);
         rows.extend(found.listed.unchecked(&others, are_all_compared));
+        let known: BTreeSet<PathBuf> = rows.iter().map(|row| row.path.clone()).collect();
+        let Strangers { broken, whole } =
+            strangers::among(others.iter().filter(|path| !known.contains(*path)), &progress)?;
+        others.retain(|path| broken.iter().all(|row| row.path != *path));
+        rows.extend(broken);
         rows.sort_by(|a, b| a.path.cmp(&b.path));
         let is_good = |row: &&Row| row.outcome.is_good(self.bytes);
         let good = rows.iter().filter(is_good).count();
         let bad = rows.len() - good;
         progress.clear();
         if self.json {
-            let report = VerifyReport { linden: VERSION, files: &rows, others: others.len(), good, bad };
+            let without_recipe = whole.iter().map(|path| show(path)).collect();
+            let (files, others) = (rows.as_slice(), others.len());
+            let report = VerifyReport { linden: VERSION, files, others, without_recipe, good, bad };
             super::print_json(&report)?;
         } else {
-            super::print(&table(&rows, others.len()))?;
+            super::print(&table(&rows, &whole, others.len()))?;
+        }
+        if let (Some(path), true) = (self.paths.first(), found.absent == self.paths.len()) {
+            return Err(usage(format!("there is no file or folder '{}'", show(path))));
         }
         match (rows.len(), bad) {
             (0, _) => bail!("no file there carries a recipe of linden's"),
@@ -81,13 +97,16 @@ impl Verify {
 }
 
 /// A line for each file, and how many of each kind there are.
-fn table(rows: &[Row], others: usize) -> String {
+fn table(rows: &[Row], without_recipe: &[PathBuf], others: usize) -> String {
     let mut text = String::new();
     for row in rows {
         text.push_str(&format!("{:11} {}\n", row.outcome.word(), row.file));
         if let Some(reason) = &row.reason {
             text.push_str(&format!("{:11}   {reason}\n", ""));
         }
+    }
+    for path in without_recipe {
+        text.push_str(&format!("{:11} {}\n", "no recipe", show(path)));
     }
     let counts = Outcome::ALL.iter().filter_map(|outcome| {
         let count = rows.iter().filter(|row| row.outcome == *outcome).count();
