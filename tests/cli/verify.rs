@@ -188,6 +188,62 @@ fn one_of_several_ages_or_seasons_is_never_called_changed() {
     assert_eq!(only(&other, "fir_1.obj").1, "other-bytes");
 }
 
+/// A budget is met where there are most leaves, and bare twigs have what it left of the wood.
+#[test]
+fn seasons_within_a_budget_are_verified_together() {
+    let folder = Folder::new();
+    let args = ["--triangles", "600", "--seasons", "summer,bare", "-o", "s.glb"];
+    export(&folder, "dressed-simple", &args);
+    let alone = ["--triangles", "600", "--set", "season=bare", "-o", "alone.glb"];
+    export(&folder, "dressed-simple", &alone);
+    let bare = folder.read("s_bare.glb");
+    assert_ne!(folder.read("alone.glb"), bare, "they would be the same anyhow");
+    for file in ["s_bare.glb", "s_summer.glb", "alone.glb"] {
+        assert_eq!(only(&folder, file), (Some(0), "same-bytes".to_owned(), String::new()), "{file}");
+    }
+    // Each that is changed, as long as the other is not.
+    for file in ["s_bare.glb", "s_summer.glb"] {
+        let kept = folder.read(file);
+        let mut bytes = kept.clone();
+        let at = bytes.len() - 10;
+        bytes[at] ^= 1;
+        folder.write(file, &bytes);
+        let (code, outcome, reason) = only(&folder, file);
+        assert_eq!((code, outcome.as_str()), (Some(1), "other-bytes"), "{file}: {reason}");
+        assert!(reason.contains(&format!("{file} differs from byte {at} on")), "{reason}");
+        folder.write(file, &kept);
+    }
+    // Alone it does not say which season it was cut down in.
+    fs::remove_file(folder.file("s_summer.glb")).unwrap();
+    let (code, outcome, reason) = only(&folder, "s_bare.glb");
+    assert!(code == Some(0) && outcome == "same-tree" && reason.contains("budget"), "{outcome}: {reason}");
+    assert_eq!(verify(&folder, &["s_bare.glb", "--bytes"]).0.code, Some(1));
+}
+
+/// Of seasons with as many leaves the budget is met in the one that was asked for first.
+#[test]
+fn seasons_with_as_many_leaves_are_verified_in_any_order() {
+    for list in ["flush,summer,autumn,bare", "bare,autumn,summer,flush"] {
+        let folder = Folder::new();
+        let args = ["--triangles", "600", "--lods", "2", "--seasons", list, "-o", "s.glb"];
+        export(&folder, "dressed-simple", &args);
+        let (said, report) = verify(&folder, &[".", "--bytes"]);
+        assert_eq!((said.code, report["good"].as_u64()), (Some(0), Some(4)), "{list}: {}", said.out);
+    }
+}
+
+/// `half_grown` has an underscore of its own.
+#[test]
+fn ages_of_several_words_are_verified() {
+    let folder = Folder::new();
+    for name in ["d.usda", "e.obj"] {
+        export(&folder, "dressed-simple", &["--ages", "young=0.4,half_grown=0.7,grown=1", "-o", name]);
+    }
+    let (said, report) = verify(&folder, &["."]);
+    assert_eq!((said.code, report["bad"].as_u64()), (Some(0), Some(0)), "{}", said.out);
+    assert_eq!(report["good"], 7, "{report}");
+}
+
 /// Without its end a file says no recipe any more.
 #[test]
 fn models_in_folders_that_are_cut_off_fail() {

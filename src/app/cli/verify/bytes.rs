@@ -8,20 +8,19 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use linden::Monitor;
 use linden::dress::Levels;
-use linden::season::Season;
 use linden_exporters::{Batch, Bundle, Exporter, Format, LooksIn, Options, Output, Traces, writers};
-use serde_json::Value;
 
+use super::looks::{is_one_of_several, splits};
 use crate::cli::batch::PICTURES;
 use crate::paths::show;
-use crate::reading::{self, Content};
+use crate::reading;
 
 /// What the bytes say.
 pub enum Bytes {
     /// All are the same, those of the files `beside` it too.
     Same { format: &'static str, options: BTreeMap<&'static str, String>, beside: Vec<PathBuf> },
-    /// Where they differ.
-    Other(String),
+    /// Where they differ, and the format that the file is in most likely.
+    Other { format: &'static Format, place: String },
     /// Why they were not compared.
     NotCompared(String),
 }
@@ -30,9 +29,9 @@ pub enum Bytes {
 pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
     let mut file = BufReader::new(reading::open_regular(path)?);
     let exporters = writers(path, &mut file)?;
-    if exporters.is_empty() {
+    let Some(format) = exporters.first().map(|exporter| exporter.format()) else {
         return Ok(Bytes::NotCompared("a picture or a recipe alone: no bytes to compare".to_owned()));
-    }
+    };
     let mut nearest: Option<Place> = None;
     for exporter in exporters {
         std::io::Seek::rewind(&mut file)?;
@@ -69,7 +68,7 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
             }
         }
     }
-    Ok(Bytes::Other(nearest.map(|place| place.what).unwrap_or_default()))
+    Ok(Bytes::Other { format, place: nearest.map(|place| place.what).unwrap_or_default() })
 }
 
 /// Where the pictures of a file may lie.
@@ -145,46 +144,10 @@ fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, lev
         Attempt { index: index.min(outputs.len() - 1), outputs }
     };
     let mut attempts = vec![in_levels(output(stem))];
-    if !format.self_contained
-        && let Some((stem, look)) = stem.rsplit_once('_')
-    {
-        attempts.push(in_levels(output(stem).in_look(look)));
+    if !format.self_contained {
+        attempts.extend(splits(stem).map(|(stem, look)| in_levels(output(stem).in_look(look))));
     }
     attempts
-}
-
-/// Whether it is one of several ages or seasons: named like those that `--seasons` has, or as `oak_young.obj` beside
-/// `oak_grown.obj`, which holds the same plant with the same seed.
-fn is_one_of_several(path: &Path, format: &Format, monitor: &dyn Monitor) -> anyhow::Result<bool> {
-    let ending = format.ending_of(path).unwrap_or_default();
-    let split = |path: &Path| {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let stem = name.strip_suffix(ending)?.strip_suffix('.')?;
-        let stem = stem.rsplit_once("_LOD").map_or(stem, |(stem, _)| stem);
-        stem.rsplit_once('_').map(|(plant, look)| (plant.to_owned(), look.to_owned()))
-    };
-    let Some((plant, look)) = split(path) else { return Ok(false) };
-    if Season::all().iter().any(|season| season.name == look) {
-        return Ok(true);
-    }
-    let individual = individual(path, monitor)?;
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let reading = || format!("reading the folder {}", show(folder));
-    for entry in std::fs::read_dir(folder).with_context(reading)? {
-        let other = entry.with_context(reading)?.path();
-        let is_another = split(&other).is_some_and(|(name, other)| name == plant && other != look);
-        if is_another && self::individual(&other, monitor).is_ok_and(|other| other == individual) {
-            return Ok(true);
-        }
-    }
-    Ok(false)
-}
-
-/// The preset and the seed that a file's recipe names.
-fn individual(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Option<[Option<Value>; 2]>> {
-    let recipe = Content::File(reading::open_regular(path)?).recipe(monitor)?;
-    let recipe: Option<Value> = recipe.and_then(|json| serde_json::from_str(&json).ok());
-    Ok(recipe.map(|recipe| ["id", "seed"].map(|key| recipe.get(key).cloned())))
 }
 
 fn is_picture(path: &Path) -> bool {

@@ -2,6 +2,7 @@
 
 mod bytes;
 mod find;
+mod looks;
 mod row;
 mod strangers;
 mod tree;

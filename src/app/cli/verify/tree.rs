@@ -1,16 +1,20 @@
 //! Grows the recipe of some files again, some recipes at a time.
 
+use std::path::Path;
 use std::sync::Arc;
 
-use linden::dress::{Levels, levels};
+use linden::Monitor;
+use linden::dress::{Levels, levels, year};
 use linden::grow::{Grown, grow};
 use linden::knob::excerpt;
 use linden::monitor::Holding;
 use linden::recipe::VERSION;
+use linden::season::Season;
 use linden::texture::DrawnPictures;
 
 use super::bytes::{Bytes, compare};
 use super::find::Group;
+use super::looks::{SeasonFile, seasons_beside};
 use super::row::{Outcome, Row};
 use crate::cache;
 use crate::cli::crew::{Crew, Share, room_for_pictures};
@@ -65,7 +69,7 @@ fn grown(mut source: Source, drawn: &Arc<DrawnPictures>, share: &Share<'_>) -> a
 }
 
 impl Tree {
-    fn check(&self, path: &std::path::Path, share: &Share<'_>) -> Row {
+    fn check(&self, path: &Path, share: &Share<'_>) -> Row {
         let provenance = self.source.provenance.as_ref();
         let now = self.grown.hash();
         let then = provenance.and_then(|provenance| provenance.tree);
@@ -94,13 +98,68 @@ impl Tree {
             return row.because(other);
         }
         let holding = Holding::new(share, self.source.recipe.inputs.bytes());
-        match compare(path, &self.levels, &holding) {
+        match self.compare(path, &holding) {
             Ok(bytes) => self.judge(row, bytes, then.is_some()),
             Err(error) => {
                 row.outcome = Outcome::Failed;
                 row.because(sentence(&error).replace(['\n', '\r'], " "))
             }
         }
+    }
+
+    /// Compares bytes. A budget is met in that of several seasons that has most leaves, and the others have its wood: a
+    /// file of one of them is what its recipe grows together with theirs.
+    fn compare(&self, path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
+        let recipe = &self.source.recipe;
+        let bytes = compare(path, &self.levels, monitor)?;
+        let Bytes::Other { format, .. } = &bytes else { return Ok(bytes) };
+        if recipe.preset.dressing.detail.is_whole() {
+            return Ok(bytes);
+        }
+        let Some(others) = seasons_beside(path, format, monitor)? else { return Ok(bytes) };
+        let holding = Holding::new(monitor, self.levels.levels.iter().map(|level| level.scene.bytes()).sum());
+        let own = SeasonFile { season: recipe.preset.dressing.foliage.season, path: path.to_owned() };
+        let mut changed = None;
+        for other in &others {
+            // Of two with as many leaves it is met in the one that comes first.
+            for pair in [[other, &own], [&own, other]] {
+                let Some(mut dressed) = self.in_seasons(pair.map(|file| file.season), &holding)? else {
+                    continue;
+                };
+                if pair[0].season == own.season {
+                    dressed.reverse();
+                }
+                let [of_other, of_own] = dressed;
+                let together = compare(path, &of_own, &holding)?;
+                if matches!(together, Bytes::Same { .. }) {
+                    return Ok(together);
+                }
+                // Then no other season counted for that one, and this one was changed.
+                if matches!(compare(&other.path, &of_other, &holding), Ok(Bytes::Same { .. })) {
+                    changed = Some(together);
+                }
+            }
+        }
+        if let Some(changed) = changed {
+            return Ok(changed);
+        }
+        let reason = "its budget may have been met in a season that is not beside it: bytes not compared";
+        Ok(Bytes::NotCompared(reason.to_owned()))
+    }
+
+    /// The tree in two seasons within one budget; `None` where it cannot be met in them.
+    fn in_seasons(&self, pair: [f64; 2], monitor: &dyn Monitor) -> anyhow::Result<Option<[Levels; 2]>> {
+        let named = |name: &str, season| Season { name: name.to_owned(), season };
+        let seasons = [named("first", pair[0]), named("second", pair[1])];
+        let recipe = &self.source.recipe;
+        let mut preset = recipe.preset.clone();
+        preset.dressing.foliage.season = pair[0];
+        let dressed = year(&recipe.with_preset(preset), &self.grown, &seasons, monitor);
+        monitor.check()?;
+        let Ok(dressed) = dressed else { return Ok(None) };
+        let levels: Vec<Levels> =
+            dressed.seasons.into_iter().map(|(_, levels)| Levels { levels, notes: Vec::new() }).collect();
+        Ok(levels.try_into().ok())
     }
 
     fn judge(&self, mut row: Row, bytes: Bytes, is_known: bool) -> Row {
@@ -115,7 +174,7 @@ impl Tree {
                 row.outcome = if is_known { Outcome::SameTree } else { Outcome::Unchecked };
                 row.because(if is_known { reason } else { CHANGED.to_owned() })
             }
-            Bytes::Other(reason) => {
+            Bytes::Other { place: reason, .. } => {
                 row.outcome = if is_known { Outcome::OtherBytes } else { Outcome::Unchecked };
                 let notes = self.source.notes.iter();
                 let why = std::iter::once(if is_known { reason.as_str() } else { CHANGED });
