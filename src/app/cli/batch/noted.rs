@@ -102,7 +102,9 @@ mod tests {
         ];
         for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0]] {
             let mut noted = Noted::default();
-            order.iter().for_each(|&at| noted.add(&rows[at]));
+            for at in order {
+                noted.add(&rows[at]);
+            }
             assert_eq!(noted.lines(), expected);
         }
     }
