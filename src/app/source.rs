@@ -162,7 +162,10 @@ pub fn named_in(document: Option<&Path>, name: &str) -> anyhow::Result<PathBuf> 
     }
     let path = crate::trust::beside(document, name).map_err(usage)?;
     // What is no file was meant for an id, and is shown as it was typed.
-    if path.exists() { Ok(path) } else { Err(not_there(Path::new(name))) }
+    match path.metadata() {
+        Err(error) if is_absent(&error) => Err(not_there(Path::new(name))),
+        _ => Ok(path),
+    }
 }
 
 /// Whether there is such a source at all, a tree or a forest, without reading it: for what is read later.
@@ -191,8 +194,17 @@ fn not_there(source: &Path) -> anyhow::Error {
     ))
 }
 
+/// Whether there is no such file, which will be so the next time as well; others may be there but for a fault of the disk.
+fn is_absent(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory)
+}
+
 fn ensure_is_file(path: &Path) -> anyhow::Result<()> {
-    let Ok(about) = path.metadata() else { return Err(not_there(path)) };
+    let about = match path.metadata() {
+        Ok(about) => about,
+        Err(error) if is_absent(&error) => return Err(not_there(path)),
+        Err(error) => return Err(error).with_context(|| format!("reading '{}'", show(path))),
+    };
     match reading::what(&about) {
         Some("a directory") => Err(usage(format!("'{}' is a directory; name a file in it", show(path)))),
         Some(what) if !crate::system::is_pipe(&about) => {

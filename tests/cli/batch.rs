@@ -304,6 +304,7 @@ fn what_has_no_effect_is_said_once_and_in_the_rows() {
     for shard in ["1/2", "0/2"] {
         let said = batch(&folder, "parts", &["--shard", shard]);
         assert!(said.err.lines().all(|line| line.ends_with(" (2 trees)")), "{}", said.err);
+        assert_eq!(said.err.lines().count(), expected.len(), "{}", said.err);
     }
     for out in ["whole", "parts"] {
         assert_eq!(batch(&folder, out, &["--merge"]).code, Some(0));

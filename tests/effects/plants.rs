@@ -44,7 +44,7 @@ const LIT: &str = "id = \"lit\"\n[self-organizing]\nyears = 9\nvigor = 1.7\nlead
                    mature_from = 3\nmature_to = 6\nbud_years = 0\nmax_nodes = 20000\n";
 
 const WHORLS: &str = "id = \"whorls\"\n[self-organizing]\nyears = 8\nvigor = 2.4\nsharing = \"priority\"\nphyllotaxis = \"whorled\"\nwhorl = 3\n\
-                      upward = [0.3, 0]\nreiteration = 2\nsag = 3\nleaf_weight = 0.01\npriority_least = 0.8\npriority_share = 0.9\nmax_nodes = 20000\n";
+                      upward = [0.3, 0]\nreiteration = 2\nbranching_angle = 70\nsag = 3\nleaf_weight = 0.01\npriority_least = 0.8\npriority_share = 0.9\nmax_nodes = 20000\n";
 
 const HULL: &str = "v 0 1 0\nv 3 1 0\nv 1.5 1 2.5\nv 1.5 4 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
 

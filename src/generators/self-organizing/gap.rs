@@ -7,10 +7,10 @@
 use crate::SelfOrganizing;
 use crate::tree::{DEAD, LATERAL, Nodes, SHED};
 
-/// A limb with fewer of its stem's twigs than one in this many closes no gap.
+/// A limb closes a gap where its share of its stem's twigs is at least one in this many.
 const OF_A_LIMB: u32 = 1000;
 
-/// What hangs below a gap is a storey of the crown where it has more than one in this many of the stem's twigs.
+/// What hangs below a gap is a storey of the crown where its share of the stem's twigs is more than one in this many.
 const OF_A_STOREY: u32 = 5;
 
 /// Limbs that hang alone below the crown of their stem.
@@ -22,7 +22,7 @@ pub(crate) struct Lone {
 
 impl Lone {
     /// The limbs below a stretch of trunk that bears none, longer than [`SelfOrganizing::crown_gap_m`], where all of them
-    /// are a small part of the crown. Of what is there, living and not shed. A trunk is the axis that begins at a foot, and
+    /// are a small part of the crown. Dead and shed wood does not count. A trunk is the axis that begins at a foot, and
     /// its highest limb begins the crown; stems that buds grew as by reiteration are no limbs, and close gaps.
     pub fn of(nodes: &Nodes, settings: &SelfOrganizing) -> Self {
         // What goes on where an apex died is no longer the trunk.

@@ -484,7 +484,9 @@ impl SelfOrganizing {
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
             "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
-            "dead_years" if self.shed == 0.0 && self.crown_gap_m == 0.0 => Some("shed is 0"),
+            "dead_years" if self.shed == 0.0 && (self.crown_gap_m == 0.0 || self.sympodial) => {
+                Some("shed is 0, and no crown_gap takes limbs")
+            }
             "stool" | "stem_lean" if self.stems == 1 => {
                 Some("stems is 1: the stem stands upright on its foot")
             }

@@ -185,7 +185,7 @@ fn texts(entry: &Entry) -> Result<Vec<String>, Fault> {
     Ok(texts)
 }
 
-/// Refuses what stands twice in a list: each would write the same files.
+/// Refuses what stands twice in a list; more trees of a seed with values that are drawn are `samples`.
 fn distinct<T: Ord + Display>(key: &str, nodes: &[Node], values: &[T]) -> Result<(), Fault> {
     let mut before = BTreeSet::new();
     match values.iter().position(|value| !before.insert(value)) {

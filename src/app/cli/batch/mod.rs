@@ -132,10 +132,7 @@ impl Batch {
             return self.merged.write(&plan, part, &self.out, &progress);
         }
         if let Some(shard) = self.shard.as_ref().filter(|_| part.numbers().next().is_none()) {
-            say(&format!(
-                "note: shard {shard} has no trees: the manifest has {}, numbered from 0",
-                plan.len()
-            ));
+            say(&format!("note: shard {shard} has no trees: the manifest has only {}", plan.len()));
             return Ok(());
         }
         std::fs::create_dir_all(&self.out)

@@ -63,7 +63,7 @@ pub fn find(paths: &[PathBuf], progress: &Progress) -> anyhow::Result<Found> {
     let mut groups: BTreeMap<(PathBuf, String), BTreeSet<PathBuf>> = BTreeMap::new();
     for path in paths {
         let is_folder = path.is_dir();
-        if !is_folder && !path.exists() {
+        if !is_folder && matches!(path.try_exists(), Ok(false)) {
             found.absent += 1;
             found.rows.push(Row::new(path, Outcome::Missing).because("there is no such file or folder"));
             continue;

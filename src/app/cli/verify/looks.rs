@@ -41,14 +41,14 @@ pub fn is_one_of_several(path: &Path, format: &Format, monitor: &dyn Monitor) ->
     Ok(false)
 }
 
-/// A season of a tree, and a file that holds it.
+/// A season of a tree, and a file that holds it, if one is known.
 pub struct SeasonFile {
     pub season: f64,
-    pub path: PathBuf,
+    pub path: Option<PathBuf>,
 }
 
-/// Files beside one that hold the same tree in other seasons, one of each season; `None` where it is not one of several
-/// seasons, by these or by its name.
+/// Files beside one that hold the same tree in other seasons, one of each season, then seasons that have a name;
+/// `None` where it is not one of several seasons, by these files or by its name.
 pub fn seasons_beside(
     path: &Path,
     format: &Format,
@@ -65,10 +65,18 @@ pub fn seasons_beside(
         let Some((season, wood)) = recipe(&other, monitor).ok().as_ref().and_then(of) else { continue };
         let is_known = season == own_season || found.iter().any(|known| known.season == season);
         if !is_known && wood == own {
-            found.push(SeasonFile { season, path: other });
+            found.push(SeasonFile { season, path: Some(other) });
         }
     }
-    Ok((!found.is_empty() || is_named_season(&stem)).then_some(found))
+    if found.is_empty() && !is_named_season(&stem) {
+        return Ok(None);
+    }
+    for Season { season, .. } in Season::all() {
+        if season != own_season && found.iter().all(|known| known.season != season) {
+            found.push(SeasonFile { season, path: None });
+        }
+    }
+    Ok(Some(found))
 }
 
 fn is_named_season(stem: &str) -> bool {

@@ -8,7 +8,7 @@ mod strangers;
 mod tree;
 
 use std::collections::BTreeSet;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::Args;
@@ -71,7 +71,8 @@ impl Verify {
         let known: BTreeSet<PathBuf> = rows.iter().map(|row| row.path.clone()).collect();
         let Strangers { broken, whole } =
             strangers::among(others.iter().filter(|path| !known.contains(*path)), &progress)?;
-        others.retain(|path| broken.iter().all(|row| row.path != *path));
+        let failed: BTreeSet<&Path> = broken.iter().map(|row| row.path.as_path()).collect();
+        others.retain(|path| !failed.contains(path.as_path()));
         rows.extend(broken);
         rows.sort_by(|a, b| a.path.cmp(&b.path));
         let is_good = |row: &&Row| row.outcome.is_good(self.bytes);

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use linden::Monitor;
-use linden::dress::{Levels, levels, year};
+use linden::dress::{DetailError, Levels, levels, year};
 use linden::grow::{Grown, grow};
 use linden::knob::excerpt;
 use linden::monitor::Holding;
@@ -112,13 +112,13 @@ impl Tree {
     fn compare(&self, path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
         let recipe = &self.source.recipe;
         let bytes = compare(path, &self.levels, monitor)?;
-        let Bytes::Other { format, .. } = &bytes else { return Ok(bytes) };
+        let Bytes::Other { format, place } = &bytes else { return Ok(bytes) };
         if recipe.preset.dressing.detail.is_whole() {
             return Ok(bytes);
         }
         let Some(others) = seasons_beside(path, format, monitor)? else { return Ok(bytes) };
         let holding = Holding::new(monitor, self.levels.levels.iter().map(|level| level.scene.bytes()).sum());
-        let own = SeasonFile { season: recipe.preset.dressing.foliage.season, path: path.to_owned() };
+        let own = SeasonFile { season: recipe.preset.dressing.foliage.season, path: None };
         let mut changed = None;
         for other in &others {
             // Of two with as many leaves it is met in the one that comes first.
@@ -135,16 +135,14 @@ impl Tree {
                     return Ok(together);
                 }
                 // Then no other season counted for that one, and this one was changed.
-                if matches!(compare(&other.path, &of_other, &holding), Ok(Bytes::Same { .. })) {
+                let Some(whole) = &other.path else { continue };
+                if matches!(compare(whole, &of_other, &holding), Ok(Bytes::Same { .. })) {
                     changed = Some(together);
                 }
             }
         }
-        if let Some(changed) = changed {
-            return Ok(changed);
-        }
-        let reason = "its budget may have been met in a season that is not beside it: bytes not compared";
-        Ok(Bytes::NotCompared(reason.to_owned()))
+        let elsewhere = || format!("{place}; or its budget was met in a season that is not beside it");
+        Ok(changed.unwrap_or_else(|| Bytes::Other { format: *format, place: elsewhere() }))
     }
 
     /// The tree in two seasons within one budget; `None` where it cannot be met in them.
@@ -155,8 +153,11 @@ impl Tree {
         let mut preset = recipe.preset.clone();
         preset.dressing.foliage.season = pair[0];
         let dressed = year(&recipe.with_preset(preset), &self.grown, &seasons, monitor);
-        monitor.check()?;
-        let Ok(dressed) = dressed else { return Ok(None) };
+        let dressed = match dressed {
+            Ok(dressed) => dressed,
+            Err(DetailError::TooFew { .. } | DetailError::NotFewer { .. }) => return Ok(None),
+            Err(error) => return Err(error.into()),
+        };
         let levels: Vec<Levels> =
             dressed.seasons.into_iter().map(|(_, levels)| Levels { levels, notes: Vec::new() }).collect();
         Ok(levels.try_into().ok())

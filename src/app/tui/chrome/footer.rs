@@ -223,10 +223,7 @@ mod tests {
     fn a_welcome_names_keys_as_they_are() {
         let mut bench = Bench::new(90, 24).without_pictures();
         let said = welcome(&bench.model);
-        assert_eq!(
-            said,
-            "Welcome to linden: ? all keys, j another tree, o its knobs, e export it"
-        );
+        assert_eq!(said, "Welcome to linden: ? all keys, j another tree, o its knobs, e export it");
         let keymap = "[keys]\npreset-next = \"n\"\n";
         let (keymap, _) = Keymap::read(Path::new("keymap.toml"), keymap, &crate::tui::commands::key_table());
         bench.model.config.keymap = keymap;
