@@ -242,7 +242,7 @@ fn a_shard_without_trees_says_so() {
     let folder = folder();
     let said = batch(&folder, "out", &["--shard", "20/30"]);
     assert_eq!((said.code, said.out.as_str()), (Some(0), ""));
-    assert!(said.err.contains("shard 20/30 has no trees: the manifest has 14"), "{}", said.err);
+    assert!(said.err.contains("shard 20/30 has no trees: the manifest has only 14"), "{}", said.err);
     assert!(!said.err.contains("there already") && !folder.file("out").exists(), "{}", said.err);
 }
 
