@@ -246,14 +246,29 @@ mod tests {
         assert_eq!(settings, SelfOrganizing::default());
     }
 
+    fn hash(settings: &SelfOrganizing) -> u128 {
+        let branched = Settings::grow(settings, &task(&Inputs::new()), &Quiet).unwrap();
+        Skeleton::build(branched.branching, &Wood::default()).unwrap().hash()
+    }
+
+    fn shedding() -> SelfOrganizing {
+        SelfOrganizing { years: 16, shed: 0.3, shed_patience: 1, ..SelfOrganizing::default() }
+    }
+
+    #[test]
+    fn gaps_of_crowns_shed_where_nothing_else_does_but_not_on_sympodial_stems() {
+        let gaps = SelfOrganizing { shed: 0.0, crown_gap_m: 0.05, ..shedding() };
+        assert_eq!(gaps.why_idle("dead_years"), None);
+        assert_ne!(hash(&SelfOrganizing { dead_years: 4, ..gaps.clone() }), hash(&gaps));
+        let sympodial = SelfOrganizing { sympodial: true, ..shedding() };
+        let gaps = SelfOrganizing { crown_gap_m: 0.05, ..sympodial.clone() };
+        assert!(gaps.why_idle("crown_gap").is_some());
+        assert_eq!(hash(&gaps), hash(&sympodial));
+    }
+
     #[test]
     fn each_knob_that_is_not_idle_changes_the_tree() {
-        let inputs = Inputs::new();
-        let hash = |settings: &SelfOrganizing| {
-            let branched = Settings::grow(settings, &task(&inputs), &Quiet).unwrap();
-            Skeleton::build(branched.branching, &Wood::default()).unwrap().hash()
-        };
-        let base = SelfOrganizing { years: 16, shed: 0.3, shed_patience: 1, ..SelfOrganizing::default() };
+        let base = shedding();
         let plain = hash(&base);
         for (knob, text) in [
             ("stems", "3"),
@@ -296,9 +311,6 @@ mod tests {
             (field.write)(&mut settings, field.knob.kind.parse(text).unwrap());
             assert_ne!(hash(&settings), plain, "{knob}");
         }
-        let gaps = SelfOrganizing { shed: 0.0, crown_gap_m: 0.05, ..base.clone() };
-        assert_eq!(gaps.why_idle("dead_years"), None);
-        assert_ne!(hash(&SelfOrganizing { dead_years: 4, ..gaps.clone() }), hash(&gaps));
         let shrub = SelfOrganizing { stems: 4, ..base.clone() };
         for other in [
             SelfOrganizing { stool_m: 0.5, ..shrub.clone() },
@@ -330,10 +342,6 @@ mod tests {
             assert_ne!(hash(&other), hash(&sky), "{other:?}");
         }
         // What is called idle changes nothing.
-        let sympodial = SelfOrganizing { sympodial: true, ..base.clone() };
-        let gaps = SelfOrganizing { crown_gap_m: 0.05, ..sympodial.clone() };
-        assert!(gaps.why_idle("crown_gap").is_some());
-        assert_eq!(hash(&gaps), hash(&sympodial));
         let idle = SelfOrganizing { shade_falloff: 2.0, shade_depth: 2, ..sky.clone() };
         assert!(["shade_falloff", "shade_depth"].iter().all(|knob| idle.why_idle(knob).is_some()));
         assert_eq!(hash(&idle), hash(&sky));

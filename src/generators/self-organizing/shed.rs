@@ -101,6 +101,7 @@ impl Lost {
 }
 
 /// What becomes of a node in a year.
+#[derive(Clone, Copy)]
 enum Fate {
     /// As it was: alive or dead.
     Stays,
@@ -152,12 +153,12 @@ fn fate_of_lone(nodes: &Nodes, node: usize, lone: &Lone, settings: &SelfOrganizi
     }
     let parent = nodes.parents[node] as usize;
     let is_lone = lone.begins_with(node);
-    match (nodes.is(parent, SHED), is_dead) {
-        (true, _) => Fate::Goes,
-        (false, true) => Fate::Stays,
-        (false, false) if is_lone && settings.dead_years == 0 => Fate::Goes,
-        (false, false) if is_lone || nodes.is(parent, DEAD) => Fate::Dies,
-        (false, false) => Fate::Stays,
+    if nodes.is(parent, SHED) || is_lone && settings.dead_years == 0 {
+        Fate::Goes
+    } else if is_dead || !is_lone && !nodes.is(parent, DEAD) {
+        Fate::Stays
+    } else {
+        Fate::Dies
     }
 }
 
