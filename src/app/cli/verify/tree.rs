@@ -142,7 +142,7 @@ impl Tree {
             }
         }
         let elsewhere = || format!("{place}; or its budget was met in a season that is not beside it");
-        Ok(changed.unwrap_or_else(|| Bytes::Other { format: *format, place: elsewhere() }))
+        Ok(changed.unwrap_or_else(|| Bytes::Other { format, place: elsewhere() }))
     }
 
     /// The tree in two seasons within one budget; `None` where it cannot be met in them.
