@@ -124,7 +124,7 @@ pub fn open(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
 
 /// Opens what an argument names as a file alone, and no preset's id can mean: a manifest, a configuration.
 pub fn open_file(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
-    let is_missing = path.metadata().is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    let is_missing = path.metadata().is_err_and(|error| is_absent(&error));
     if is_missing && !is_standard_input(path) {
         return Err(usage(format!("there is no file '{}'", show(path))));
     }

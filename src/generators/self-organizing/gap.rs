@@ -89,22 +89,19 @@ struct Twigs {
 }
 
 fn twigs(nodes: &Nodes) -> Twigs {
-    let mut of_stem = vec![0; nodes.len()];
+    let parent = |node: usize| nodes.parents[node] as usize;
+    let mut is_trunk = vec![false; nodes.len()];
     for node in 0..nodes.len() {
-        let is_trunk =
-            nodes.is_foot(node) || !nodes.is(node, LATERAL) && of_stem[nodes.parents[node] as usize] > 0;
-        of_stem[node] = u32::from(is_trunk);
+        is_trunk[node] = nodes.is_foot(node) || !nodes.is(node, LATERAL) && is_trunk[parent(node)];
     }
-    let mut counted: Vec<u32> =
-        (0..nodes.len()).map(|node| u32::from(of_stem[node] == 0 && is_there(nodes, node))).collect();
+    let counts = |node: usize| u32::from(!is_trunk[node] && is_there(nodes, node));
+    let mut counted: Vec<u32> = (0..nodes.len()).map(counts).collect();
     for node in (0..nodes.len()).rev().filter(|&node| !nodes.is_foot(node)) {
-        counted[nodes.parents[node] as usize] += counted[node];
+        counted[parent(node)] += counted[node];
     }
-    for node in 0..nodes.len() {
-        if of_stem[node] > 0 {
-            of_stem[node] =
-                if nodes.is_foot(node) { counted[node] } else { of_stem[nodes.parents[node] as usize] };
-        }
+    let mut of_stem = vec![0; nodes.len()];
+    for node in (0..nodes.len()).filter(|&node| is_trunk[node]) {
+        of_stem[node] = if nodes.is_foot(node) { counted[node] } else { of_stem[parent(node)] };
     }
     Twigs { counted, of_stem }
 }
