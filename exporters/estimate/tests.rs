@@ -120,6 +120,7 @@ fn all_off(what: &str, turn: Turn, recipe: &Recipe) -> Compared {
         // Where two barks meet, both have the ring.
         && recipe.preset.dressing.bark.thin_barks().is_empty()
         && recipe.preset.dressing.bark.moss.amount == 0.0
+        && recipe.preset.dressing.foot_bark().is_none()
         && grown.organs.polygons.ends.is_empty();
     if is_counted && (estimate.vertices, estimate.triangles) != (vertices, triangles) {
         faults.push(format!("{what}: {estimate:?} is not {vertices} vertices, {triangles} triangles"));

@@ -23,7 +23,7 @@ const KILLING: &str = "dead_below";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 41] = [
+const SHOWN: [&str; 44] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -37,6 +37,9 @@ const SHOWN: [&str; 41] = [
     "twig_radius",
     "twig_bark",
     "twig_color",
+    "foot_height",
+    "foot_bark",
+    "foot_color",
     "moss",
     "moss_side",
     "moss_height",

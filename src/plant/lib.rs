@@ -39,6 +39,7 @@ pub mod canopy;
 pub mod detail;
 pub mod dress;
 pub mod foliage;
+mod foot_bark;
 mod moss;
 pub mod scene;
 pub mod season;

@@ -10,7 +10,7 @@ use crate::Specimen;
 use crate::scene::{Material, Part};
 use crate::settings::MossSettings;
 use crate::texture::{BarkError, Moss};
-use crate::wood_parts;
+use crate::wood_parts::{self, Cuts, slow_noise};
 use linden_base::mesh::Mesh;
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
@@ -33,27 +33,6 @@ const BY_FOOT: f32 = 0.5;
 const ALOFT: f32 = 0.3;
 /// How far noise moves a density.
 const NOISE: f32 = 0.22;
-/// Waves of the noise, to a metre.
-const WAVES_PER_M: f32 = 2.3;
-
-/// How many mossy parts the wood may have.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) enum MossSteps {
-    /// One for each step.
-    #[default]
-    All,
-    /// The step with most moss, and whatever is denser: none where these are few triangles.
-    Most,
-    /// Bare bark.
-    None,
-}
-
-impl MossSteps {
-    /// Of a level of detail within a budget of triangles.
-    pub const fn within(triangles: u64) -> Self {
-        if triangles < MossSettings::LEAST_TRIANGLES { Self::None } else { Self::Most }
-    }
-}
 
 /// A single mossy part has at least this share of the wood's triangles.
 const WORTH_A_PART: f32 = 0.03;
@@ -74,7 +53,7 @@ pub(crate) fn materials(
         let key = Key::new(look.seed).named("moss");
         let moss = Moss { share, color: look.moss.color, halvings, key };
         Ok(Material {
-            name: format!("bark_{name}"),
+            name: format!("{}_{name}", bark.name),
             base_color: moss.mean(bark.base_color),
             base_color_picture: picture
                 .map(|picture| specimen.drawn.mossy(picture, moss, monitor))
@@ -117,18 +96,8 @@ impl<'a> Mossy<'a> {
         let foot = BY_FOOT * libm::expf(-5.0 * high);
         // Small amounts are thin everywhere.
         let amount = settings.amount;
-        amount.sqrt() * (faced.max(0.0) * low + foot) * (0.5 + 0.5 * amount) + NOISE * self.noise(place)
-    }
-
-    /// -1 to 1, slow.
-    fn noise(&self, place: Vec3) -> f32 {
-        let wave = |name: &str, way: Vec3| {
-            let phase = self.key.named(name).between(0.0, std::f64::consts::TAU) as f32;
-            libm::sinf(WAVES_PER_M * std::f32::consts::TAU * place.dot(way) + phase)
-        };
-        let slow = wave("first", Vec3::new(0.31, 0.42, 0.12)) + wave("second", Vec3::new(-0.22, 0.35, 0.38));
-        let quick = wave("third", Vec3::new(1.1, -0.6, 0.7)) + wave("fourth", Vec3::new(-0.8, -0.9, 1.0));
-        0.3 * slow + 0.2 * quick
+        amount.sqrt() * (faced.max(0.0) * low + foot) * (0.5 + 0.5 * amount)
+            + NOISE * slow_noise(self.key, place)
     }
 
     /// The step of each triangle of thick wood, 0 for bare bark.
@@ -145,17 +114,17 @@ impl<'a> Mossy<'a> {
     }
 
     /// Cuts mossy parts out of the trunk's: their materials follow each other from `first` on. Says which of the
-    /// [`materials`] these are. Of `Most` steps no part is cut out with few of the wood's `all` triangles.
+    /// [`materials`] these are. Of few steps no part is cut out with few of the wood's `all` triangles.
     pub fn cut(
         &self,
         trunk: &Part,
         is_thick: &[bool],
         first: usize,
-        (which, all): (MossSteps, usize),
+        (which, all): (Cuts, usize),
     ) -> (Vec<Part>, Vec<usize>) {
         let mut steps = self.steps(&trunk.mesh, is_thick);
         let mut kept: Vec<usize> = (0..NAMES.len()).collect();
-        if which == MossSteps::Most {
+        if which == Cuts::Few {
             let most = most_moss(&trunk.mesh, &steps);
             for step in &mut steps {
                 *step = u8::from(usize::from(*step) > most);
@@ -296,7 +265,7 @@ mod tests {
         let wood = trunk.mesh.triangles.len();
         Subject::builtin("drawn-oak", &[&knobs[..], &[("moss", "0.4")]].concat()).with(|specimen| {
             let mossy = Mossy::on(specimen, 0.0, grown.skeleton.foot_radius_m());
-            let cut = |all| mossy.cut(trunk, &vec![true; wood], 1, (MossSteps::Most, all));
+            let cut = |all| mossy.cut(trunk, &vec![true; wood], 1, (Cuts::Few, all));
             let (parts, kept) = cut(wood);
             assert_eq!((parts.len(), kept.len()), (2, 1));
             assert_eq!(parts[1].name, format!("wood_{}", NAMES[kept[0]]));

@@ -90,6 +90,7 @@ pub fn plants() -> Vec<Plant> {
         ("surface_roots", "3"),
         ("stubs", "2"),
         ("moss", "0.5"),
+        ("foot_height", "0.3"),
         ("epicormic", "1"),
         ("dead_twigs", "2"),
         ("ends", "cut"),

@@ -10,13 +10,13 @@ use super::forms::in_level;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Calendar, Organs, sprout};
-use crate::moss::MossSteps;
 use crate::scene::Scene;
 use crate::season::Season;
-use crate::settings::{DetailSettings, Dressing, FoliageSettings, Form, LeafKind, MossSettings};
+use crate::settings::{BarkSettings, DetailSettings, Dressing, FoliageSettings, Form, LeafKind};
 use crate::stage::{self, Stage};
 use crate::surface::{Tubes, bends};
 use crate::wind::{Blown, Field};
+use crate::wood_parts::Cuts;
 use crate::{Body, Specimen};
 use linden_base::monitor::Holding;
 use linden_base::monitor::Monitor;
@@ -213,12 +213,12 @@ struct Budget {
 }
 
 impl Budget {
-    /// How much moss a level has that has the whole tree or less.
-    fn moss(self, is_whole: bool) -> MossSteps {
+    /// Into which parts the trunk of a level is cut that has the whole tree or less.
+    fn cuts(self, is_whole: bool) -> Cuts {
         match (is_whole, self.asked) {
-            (true, Some(asked)) if asked >= MossSettings::LEAST_TRIANGLES => MossSteps::All,
-            (true, None) => MossSteps::All,
-            (_, asked) => MossSteps::within(asked.unwrap_or(self.triangles)),
+            (true, Some(asked)) if asked >= BarkSettings::LEAST_TRIANGLES => Cuts::All,
+            (true, None) => Cuts::All,
+            (_, asked) => Cuts::within(asked.unwrap_or(self.triangles)),
         }
     }
 }
@@ -460,7 +460,7 @@ impl Plan {
                 (thin.organs, worn) = cards.beside(carded, thin.organs, &worn);
                 carded += 1;
             }
-            worn = worn.with_moss(self.budgets[number].moss(*level == Detail::full(tubes)));
+            worn = worn.cut_into(self.budgets[number].cuts(*level == Detail::full(tubes)));
             let mut scene = dressed(thin, &worn, field, specimen, body, &held)?;
             if level.card_m > 0.0 {
                 // Whatever stands for them, these are the tree's.

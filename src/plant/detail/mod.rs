@@ -65,6 +65,8 @@ pub struct Detail {
     pub smallest_ridge_m: f32,
     /// Roots on the ground that are thinner are left out, radius in metres; 0 keeps all.
     pub smallest_root_m: f32,
+    /// Whether stems have rings where their bark changes: see [`Tubes::foot_edge`].
+    pub foot_edge: bool,
     /// Share of the leaves that is kept, 0 to 1; with branch cards, of those beside them.
     pub leaf_share: f64,
     /// Branch cards stand for pieces of foliage of about this size, metres, in place of all leaves; 0: leaves as
@@ -87,6 +89,7 @@ impl Detail {
             smallest_radius_m: 0.0,
             smallest_ridge_m: 0.0,
             smallest_root_m: 0.0,
+            foot_edge: true,
             leaf_share: 1.0,
             card_m: 0.0,
         }
@@ -234,6 +237,9 @@ impl<'a> Simplifier<'a> {
         if tubes.smooth_wood > 0.0 {
             tubes.smooth_wood +=
                 SMOOTH_FROM * detail.tolerance_m / self.wood.thickest_m().max(f32::MIN_POSITIVE);
+        }
+        if !detail.foot_edge {
+            tubes.features.foot_bark_m = 0.0;
         }
         tubes.features.flare_smallest_m = detail.smallest_ridge_m;
         tubes.features.roots.smallest_m = detail.smallest_root_m;

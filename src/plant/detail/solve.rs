@@ -3,6 +3,7 @@
 use super::cards::TRIANGLES;
 use super::leaves::Which;
 use super::{Detail, DetailError, Simplifier};
+use crate::settings::BarkSettings;
 use crate::surface::Tubes;
 use linden_base::monitor::Monitor;
 
@@ -103,10 +104,12 @@ struct Floor {
     ridge_m: f32,
     /// The most that [`Detail::smallest_root_m`] may be.
     root_m: f32,
+    /// See [`Detail::foot_edge`].
+    foot_edge: bool,
 }
 
 impl Floor {
-    const NONE: Self = Self { sides: 0, ridge_m: f32::INFINITY, root_m: f32::INFINITY };
+    const NONE: Self = Self { sides: 0, ridge_m: f32::INFINITY, root_m: f32::INFINITY, foot_edge: false };
 }
 
 impl Simplifier<'_> {
@@ -126,6 +129,11 @@ impl Simplifier<'_> {
         Ok(self.wood_triangles(&self.coarse(1.0, 1, Floor::NONE), monitor)? + self.leaves.least())
     }
 
+    /// Whether what changes where the bark of a foot ends is in a level of so many triangles: small ones have none.
+    fn has_foot_edge(&self, budget: u64) -> bool {
+        self.tubes.foot_edge().is_none() || budget >= BarkSettings::LEAST_TRIANGLES
+    }
+
     /// What a budget of the whole tree keeps of its stems.
     fn floor(&self, budget: u64, monitor: &dyn Monitor) -> Result<Floor, DetailError> {
         let stems = self.wood.stems(STEM_FROM) as f64;
@@ -133,9 +141,9 @@ impl Simplifier<'_> {
             let triangles = self.wood_triangles(&self.coarse(1.0, 1, floor), monitor)?;
             Ok::<_, DetailError>(triangles as f64 * stems)
         };
-        let mut floor = Floor::NONE;
+        let mut floor = Floor { foot_edge: self.has_foot_edge(budget), ..Floor::NONE };
         for (_, sides) in STEM_SIDES.into_iter().filter(|(from, _)| budget >= *from) {
-            let kept = Floor { sides: sides.min(self.tubes.sides), ..Floor::NONE };
+            let kept = Floor { sides: sides.min(self.tubes.sides), ..floor };
             if cost(kept)? <= STEMS * budget as f64 {
                 floor = kept;
                 break;
@@ -171,7 +179,7 @@ impl Simplifier<'_> {
         with_cards: bool,
         monitor: &dyn Monitor,
     ) -> Result<Detail, DetailError> {
-        let all = Detail::full(&self.tubes);
+        let all = Detail { foot_edge: self.has_foot_edge(budget), ..Detail::full(&self.tubes) };
         let wood = self.wood_triangles(&all, monitor)?;
         let leaves = self.leaves.all();
         let is_whole = wood + leaves <= budget;
@@ -337,7 +345,7 @@ impl Simplifier<'_> {
     fn coarse(&self, scale: f32, rings: u32, floor: Floor) -> Detail {
         let Tubes { sides, .. } = self.tubes;
         if scale <= 0.0 {
-            return Detail { rings, ..Detail::full(&self.tubes) };
+            return Detail { rings, foot_edge: floor.foot_edge, ..Detail::full(&self.tubes) };
         }
         let size_m = self.wood.size_m();
         // Evenly in the logarithm: as much as a viewer sees who goes away step by step.
@@ -356,6 +364,7 @@ impl Simplifier<'_> {
             smallest_radius_m,
             smallest_ridge_m: (AT_FOOT * smallest_radius_m).min(floor.ridge_m),
             smallest_root_m: (AT_FOOT * smallest_radius_m).min(floor.root_m),
+            foot_edge: floor.foot_edge,
             leaf_share: 1.0,
             card_m: 0.0,
         }

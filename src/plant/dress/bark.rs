@@ -7,13 +7,49 @@ use linden_skeleton::{AxisKind, NO_PARENT, Skeleton};
 
 use super::{DEAD, DressError};
 use crate::Specimen;
+use crate::foot_bark;
+use crate::moss;
 use crate::scene::{Material, Wrap};
 use crate::settings::{LIMBS, TWIGS};
 use crate::surface::relief::Heights;
-use crate::texture::{self, BarkError, BarkPictures};
+use crate::texture::{self, Bark, BarkError, BarkPictures};
 
 /// Bark scatters light in all directions; nothing on it shines.
 const BARK_ROUGHNESS: f32 = 0.9;
+
+/// A bark of the trunk, bare and under more and more moss, where any grows.
+#[derive(Clone)]
+pub(super) struct Coat {
+    pub bark: Material,
+    pub mossy: Vec<Material>,
+}
+
+impl Coat {
+    /// With its moss.
+    fn new(bark: Material, specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Self, DressError> {
+        let mossy = moss::materials(specimen, &bark, monitor)?;
+        Ok(Self { bark, mossy })
+    }
+
+    /// Bytes of all pictures.
+    pub fn bytes(&self) -> u64 {
+        picture_bytes(&self.bark) + moss::bytes(&self.mossy)
+    }
+}
+
+/// Bytes of a bark's pictures.
+pub(super) fn picture_bytes(bark: &Material) -> u64 {
+    let pictures = [&bark.base_color_picture, &bark.normal_picture].into_iter().flatten();
+    pictures.map(|picture| picture.rgba().len() as u64).sum()
+}
+
+/// What the trunk wears: its own bark; that of its foot and of the edge above that.
+pub(super) fn coats(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<(Coat, Vec<Coat>), DressError> {
+    let trunk = Coat::new(bark(specimen, monitor)?, specimen, monitor)?;
+    let foot = foot_bark::materials(specimen, monitor)?;
+    let foot = foot.into_iter().map(|bark| Coat::new(bark, specimen, monitor)).collect::<Result<_, _>>()?;
+    Ok((trunk, foot))
+}
 
 /// The bark, with pictures that are drawn or given by the user.
 pub(super) fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, DressError> {
@@ -66,7 +102,7 @@ pub(super) fn thin_barks(
     drawn.collect()
 }
 
-pub(super) fn bark_material(name: String, mean: [u8; 3], pictures: Option<BarkPictures>) -> Material {
+pub(crate) fn bark_material(name: String, mean: [u8; 3], pictures: Option<BarkPictures>) -> Material {
     let (base_color_picture, normal_picture) =
         pictures.map(|BarkPictures { base_color, normal }| (base_color, normal)).unzip();
     Material {
@@ -86,14 +122,14 @@ pub(super) fn bark_material(name: String, mean: [u8; 3], pictures: Option<BarkPi
 /// Values a row of the bark's heights: more than a mesh shows.
 const HEIGHTS: usize = 256;
 
-/// What is laid on the wood: drawn bark, on the only level of a tree that stands still.
-pub(super) fn heights(specimen: &Specimen<'_>, is_blown: bool) -> Option<Heights> {
+/// What is laid on the wood: drawn barks, that of the trunk and that of its foot, on the only level of a tree that stands
+/// still.
+pub(super) fn heights(specimen: &Specimen<'_>, is_blown: bool) -> Option<(Heights, Option<Heights>)> {
     let (look, detail) = (&specimen.dressing.bark, &specimen.dressing.detail);
-    let is_drawn = look.picture.is_none() && look.normal.is_none();
     let is_whole = detail.levels() == 1 && detail.finest() == 0;
-    let is_laid = look.relief_height_m > 0.0 && is_drawn && is_whole && !is_blown;
-    let bark = look.bark();
-    is_laid.then(|| Heights { values: bark.heights(HEIGHTS), side: HEIGHTS, relief: bark.relief })
+    let is_laid = look.relief_height_m > 0.0 && look.is_drawn() && is_whole && !is_blown;
+    let of = |bark: Bark| Heights { values: bark.heights(HEIGHTS), side: HEIGHTS, relief: bark.relief };
+    is_laid.then(|| (of(look.bark()), specimen.dressing.foot_bark().map(of)))
 }
 
 /// Height of the lowest foot of a stem, metres.

@@ -12,14 +12,15 @@ use std::sync::Arc;
 use linden_base::monitor::{Holding, Monitor};
 use linden_skeleton::organs::{LeafShape, Organs};
 
-use self::bark::{bark, thin_barks};
+use self::bark::{Coat, coats, picture_bytes, thin_barks};
 use crate::foliage::{self, Cover};
-use crate::moss::{self, MossSteps};
 use crate::scene::{Material, Part, Scene};
 use crate::settings::Form;
 use crate::wind::{Blown, Field};
+use crate::wood_parts::Cuts;
 use crate::{Body, Specimen};
 
+pub(crate) use self::bark::bark_material;
 pub use self::bark::thinnest_barks;
 pub use self::error::DressError;
 pub(crate) use self::leaves::covers;
@@ -49,14 +50,14 @@ pub fn dress(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> 
 
 /// The pictures of a tree's bark and leaves, drawn once for all of its levels of detail and looks.
 pub struct Wardrobe {
-    bark: Material,
+    trunk: Coat,
+    /// Of its foot and of the edge above that, where it has one of its own.
+    foot: Vec<Coat>,
     /// Of limbs, then of twigs, where they have one of their own: the largest radius of the wood that wears it,
     /// metres, and what it is called.
     thin_barks: Vec<(&'static str, f32, Material)>,
-    /// The bark under more and more moss, where any grows.
-    mossy: Vec<Material>,
-    /// Which of these.
-    moss_steps: MossSteps,
+    /// Into which parts the trunk is cut.
+    cuts: Cuts,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
@@ -70,11 +71,9 @@ impl Wardrobe {
     /// # Errors
     /// [`DressError`].
     pub fn new(specimen: &Specimen<'_>, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let (bark, thin_barks) = (bark(specimen, monitor)?, thin_barks(specimen, monitor)?);
-        let mossy = moss::materials(specimen, &bark, monitor)?;
+        let ((trunk, foot), thin_barks) = (coats(specimen, monitor)?, thin_barks(specimen, monitor)?);
         let (covers, shapes) = (Vec::new(), Vec::new().into());
-        let moss_steps = MossSteps::All;
-        let bare = Self { bark, thin_barks, mossy, moss_steps, covers, shapes, cards: None };
+        let bare = Self { trunk, foot, thin_barks, cuts: Cuts::All, covers, shapes, cards: None };
         bare.in_season(specimen, organs, monitor)
     }
 
@@ -111,9 +110,9 @@ impl Wardrobe {
         Self { covers: self.covers.clone(), shapes, cards: self.cards, ..self.bare() }
     }
 
-    /// The same with some of the mossy parts.
-    pub(crate) fn with_moss(self, moss_steps: MossSteps) -> Self {
-        Self { moss_steps, ..self }
+    /// The same with the trunk in more or fewer parts.
+    pub(crate) fn cut_into(self, cuts: Cuts) -> Self {
+        Self { cuts, ..self }
     }
 
     /// Of all kinds.
@@ -123,27 +122,32 @@ impl Wardrobe {
 
     /// The same barks without anything on the wood.
     fn bare(&self) -> Self {
-        let (bark, thin_barks, mossy) = (self.bark.clone(), self.thin_barks.clone(), self.mossy.clone());
-        let (covers, shapes) = (Vec::new(), Vec::new().into());
-        Self { bark, thin_barks, mossy, moss_steps: self.moss_steps, covers, shapes, cards: None }
+        Self {
+            trunk: self.trunk.clone(),
+            foot: self.foot.clone(),
+            thin_barks: self.thin_barks.clone(),
+            cuts: self.cuts,
+            covers: Vec::new(),
+            shapes: Vec::new().into(),
+            cards: None,
+        }
     }
 
     /// What the thinnest wood is covered with.
     pub(crate) fn twig_bark(&self) -> &Material {
-        self.thin_barks.last().map_or(&self.bark, |(_, _, bark)| bark)
+        self.thin_barks.last().map_or(&self.trunk.bark, |(_, _, bark)| bark)
     }
 
     /// What wood is covered with, the thinnest first: the largest radius that wears it, metres, without bound the last.
     pub(crate) fn barks(&self) -> impl Iterator<Item = (f32, &Material)> {
         let thin = self.thin_barks.iter().rev().map(|(_, most_m, bark)| (*most_m, bark));
-        thin.chain(std::iter::once((f32::INFINITY, &self.bark)))
+        thin.chain(std::iter::once((f32::INFINITY, &self.trunk.bark)))
     }
 
     /// Bytes of the barks' pictures.
     fn bark_bytes(&self) -> u64 {
-        let barks = std::iter::once(&self.bark).chain(self.thin_barks.iter().map(|(_, _, bark)| bark));
-        let pictures = barks.flat_map(|bark| [&bark.base_color_picture, &bark.normal_picture]);
-        pictures.flatten().map(|picture| picture.rgba().len() as u64).sum::<u64>() + moss::bytes(&self.mossy)
+        let coats = std::iter::once(&self.trunk).chain(&self.foot).map(Coat::bytes);
+        coats.sum::<u64>() + self.thin_barks.iter().map(|(_, _, bark)| picture_bytes(bark)).sum::<u64>()
     }
 
     /// Bytes of the pictures.
@@ -174,7 +178,7 @@ impl Wardrobe {
             self.leaves((body.organs, &organs), blown, &mut materials, &mut parts, &wooded)?;
             (parts, materials)
         } else {
-            (Vec::new(), vec![self.bark.clone()])
+            (Vec::new(), vec![self.trunk.bark.clone()])
         };
         Ok(Scene {
             name: specimen.name.to_owned(),
@@ -194,7 +198,7 @@ impl Wardrobe {
 /// # Errors
 /// [`DressError`], as dressing would say it.
 pub fn draw_ahead(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<(), DressError> {
-    moss::materials(specimen, &bark(specimen, monitor)?, monitor)?;
+    coats(specimen, monitor)?;
     thin_barks(specimen, monitor)?;
     // Cards show leaves in smaller pictures, and which levels have cards is known of grown trees alone.
     let has_budget = !specimen.dressing.detail.is_whole();

@@ -1,8 +1,10 @@
 //! What is drawn for a scene, and once.
 
+use super::bark::bark;
 use super::leaves::LEAVES;
 use super::*;
 use crate::Wanted;
+use crate::moss;
 use crate::testing::{Stop, Subject, body};
 use glam::Vec3;
 use linden_base::monitor::Quiet;

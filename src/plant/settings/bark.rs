@@ -31,6 +31,8 @@ pub struct BarkSettings {
     pub limbs: ThinBark,
     /// That of wood that is thinner still.
     pub twigs: ThinBark,
+    /// That of the trunk near the ground.
+    pub foot: FootBark,
     /// Colour of dead twigs, sRGB.
     pub dead_color: [u8; 3],
     /// Moss on it.
@@ -48,10 +50,10 @@ pub struct BarkSettings {
 }
 
 linden_base::words! {
-    /// The kind of bark of thin wood.
+    /// The kind of bark of wood that has one of its own.
     #[derive(Default)]
-    ThinStyle {
-        /// Smooth: that of young bark.
+    OwnStyle {
+        /// Smooth on limbs and twigs, as young bark is; ridged at the foot, as old bark is.
         #[default]
         Auto = "auto",
         /// [`BarkStyle::Ridged`]
@@ -79,7 +81,16 @@ pub struct ThinBark {
     /// The thickest wood that has it, metres; 0: none has.
     pub radius_m: f64,
     /// What kind of bark.
-    pub style: ThinStyle,
+    pub style: OwnStyle,
+    /// Mean colour, sRGB; `None`: that of the trunk.
+    pub color: Option<[u8; 3]>,
+}
+
+/// The bark of the trunk near the ground, up to [`crate::surface::Features::foot_bark_m`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FootBark {
+    /// What kind of bark.
+    pub style: OwnStyle,
     /// Mean colour, sRGB; `None`: that of the trunk.
     pub color: Option<[u8; 3]>,
 }
@@ -95,6 +106,7 @@ impl Default for BarkSettings {
             lenticels: 0.0,
             limbs: ThinBark::default(),
             twigs: ThinBark::default(),
+            foot: FootBark::default(),
             dead_color: [104, 98, 90],
             moss: MossSettings::default(),
             size_px: 512,
@@ -137,6 +149,15 @@ impl BarkSettings {
             ..usual
         }
     }
+
+    /// Whether both of its pictures are drawn, none given.
+    pub fn is_drawn(&self) -> bool {
+        self.picture.is_none() && self.normal.is_none()
+    }
+
+    /// A level of detail within a budget of fewer triangles has one bark on all of its trunk: neither moss nor the bark of
+    /// the foot.
+    pub const LEAST_TRIANGLES: u64 = 5000;
 
     /// The barks of limbs and of twigs, and the largest radius of the wood that has them, metres; the thicker
     /// first. Their pictures are a half and a quarter as large: less is seen of them.
@@ -265,7 +286,7 @@ impl BarkSettings {
         ),
         field!(
             "limb_bark",
-            Kind::Choice(ThinStyle::WORDS),
+            Kind::Choice(OwnStyle::WORDS),
             "",
             "kind of bark on limbs; auto: smooth",
             limbs.style,
@@ -293,7 +314,7 @@ impl BarkSettings {
         ),
         field!(
             "twig_bark",
-            Kind::Choice(ThinStyle::WORDS),
+            Kind::Choice(OwnStyle::WORDS),
             "",
             "kind of bark on twigs; auto: smooth",
             twigs.style,
@@ -306,6 +327,22 @@ impl BarkSettings {
             "mean colour of the bark of twigs; auto: that of the trunk",
             twigs.color,
             see_also(&["twig_radius", "bark_color"])
+        ),
+        field!(
+            "foot_bark",
+            Kind::Choice(OwnStyle::WORDS),
+            "",
+            "kind of bark at the foot; auto: ridged",
+            foot.style,
+            see_also(&["foot_height", "bark"])
+        ),
+        field!(
+            "foot_color",
+            Kind::Color { auto: true },
+            "sRGB",
+            "mean colour of the bark at the foot; auto: that of the trunk",
+            foot.color,
+            see_also(&["foot_height", "bark_color"])
         ),
         field!(
             "dead_color",

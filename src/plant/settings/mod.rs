@@ -11,8 +11,10 @@ mod surface;
 mod wind;
 
 use crate::surface::Tubes;
+use crate::texture::{Bark, BarkStyle};
+use linden_base::random::Key;
 
-pub use bark::{BarkSettings, ThinBark, ThinStyle};
+pub use bark::{BarkSettings, FootBark, OwnStyle, ThinBark};
 pub(crate) use bark::{LIMBS, TWIGS};
 pub use detail::DetailSettings;
 pub use foliage::{
@@ -37,4 +39,19 @@ pub struct Dressing {
     pub detail: DetailSettings,
     /// How it moves.
     pub wind: WindSettings,
+}
+
+impl Dressing {
+    /// The bark of the foot, where it has one of its own.
+    pub fn foot_bark(&self) -> Option<Bark> {
+        let (trunk, foot) = (self.bark.bark(), &self.bark.foot);
+        let style = BarkStyle::named(foot.style.word()).unwrap_or(BarkStyle::Ridged);
+        let usual = Bark::new(style, Key::new(self.bark.seed).named("foot"));
+        (self.tubes.features.foot_bark_m > 0.0).then(|| Bark {
+            color: foot.color.unwrap_or(trunk.color),
+            size_px: trunk.size_px,
+            roughness: trunk.roughness,
+            ..usual
+        })
+    }
 }

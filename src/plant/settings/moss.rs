@@ -31,9 +31,6 @@ impl Default for MossSettings {
 const LEAST: f32 = 1.0 / 7.0;
 
 impl MossSettings {
-    /// A level of detail within a budget of fewer triangles has none.
-    pub const LEAST_TRIANGLES: u64 = 5000;
-
     /// Thinner wood has none, radius in metres, where the foot has a radius.
     pub(crate) fn least_radius_m(&self, foot_m: f32) -> f32 {
         self.radius_m.map_or(LEAST * foot_m, |radius_m| radius_m as f32)

@@ -33,6 +33,8 @@ pub struct Features {
     /// How far the foot of a stem that stands on the ground goes on into it, in radii of the foot. A stem that leans goes
     /// as far as it needs to be closed all around, whatever this says.
     pub foot_depth: f32,
+    /// How high over the foot the last of its own bark is, metres, about; 0: it has none. See [`Tubes::foot_edge`].
+    pub foot_bark_m: f32,
     /// How steep the ground falls towards +X, degrees: the foot and the roots follow it.
     pub ground_slope_deg: f32,
     /// Lobes round a stem, all along it; 0: it is round.
@@ -63,6 +65,7 @@ impl Default for Features {
             flare_depth: 0.6,
             flare_smallest_m: 0.0,
             foot_depth: 0.0,
+            foot_bark_m: 0.0,
             ground_slope_deg: 0.0,
             lobes: 0,
             lobe_depth: 0.1,

@@ -106,7 +106,18 @@ impl Tubes {
         }
         tubes
     }
+
+    /// Between which heights over the foot a stem's bark changes from that of the foot to its own, in tiles of bark, where
+    /// the foot has its own: stems have a ring at each.
+    pub fn foot_edge(&self) -> Option<[u32; 2]> {
+        let tiles = libm::roundf(self.features.foot_bark_m / self.bark_tile_m) as u32;
+        let from = tiles.saturating_sub(FOOT_EDGE_TILES);
+        (self.features.foot_bark_m > 0.0).then_some([from, from + FOOT_EDGE_TILES])
+    }
 }
+
+/// Over how many tiles of bark that of the foot ends.
+pub const FOOT_EDGE_TILES: u32 = 2;
 
 impl Default for Tubes {
     fn default() -> Self {

@@ -13,7 +13,7 @@ use super::stubs::{self, Bole, Boles};
 use super::target::Amount;
 use super::tube;
 use super::tube_form::{Roundness, TubeForm};
-use super::{STOUT, Tubes, curve};
+use super::{STOUT, Tubes, curve, spread};
 use linden_base::memory::bytes_of;
 use linden_skeleton::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 
@@ -113,6 +113,10 @@ impl<'a> Course<'a> {
             form.flare = Flare::new(features, base.radius);
             if let Some(flare) = &form.flare {
                 flare.widen(stations);
+            }
+            if let Some(edge) = self.tubes.foot_edge() {
+                // Stems change their bark at rings.
+                spread::insert(stations, edge.map(|tiles| tiles as f32 * self.tubes.bark_tile_m).into_iter());
             }
         } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);

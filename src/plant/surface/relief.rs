@@ -47,6 +47,11 @@ const RUN_OUT: f32 = 0.2;
 const ROUNDS: usize = 8;
 
 impl Heights {
+    /// How far the relief stands out of its middle, in tiles.
+    pub fn offset(&self, uv: Vec2) -> f32 {
+        self.relief * (self.at(uv) - 0.5)
+    }
+
     /// Bilinear.
     fn at(&self, uv: Vec2) -> f32 {
         let n = self.side as f32;
@@ -59,7 +64,8 @@ impl Heights {
     }
 }
 
-/// Lays a relief on the wood that is lower than a height over its foot, metres. The foot is at `ground_m`, or where
+/// Lays a relief on the wood that is lower than a height over its foot, metres: how far it stands out, in tiles, is
+/// asked by place and texture coordinates. The foot is at `ground_m`, or where
 /// the wood is lowest. Where it goes on as wood with another bark, in `others`, it stays as it is. What `tags` say of
 /// each triangle, they say of its pieces then.
 ///
@@ -68,14 +74,14 @@ impl Heights {
 pub fn lay(
     wood: &mut Mesh,
     others: &[&Mesh],
-    heights: &Heights,
+    offset: impl Fn(Vec3, Vec2) -> f32 + Sync,
     (ground_m, height_m): (Option<f32>, f32),
-    tags: &mut Vec<bool>,
+    tags: &mut Vec<u8>,
     monitor: &dyn Monitor,
 ) -> Result<(), ReliefError> {
     let lowest_m = || wood.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
     let foot_m = ground_m.unwrap_or_else(lowest_m);
-    if !foot_m.is_finite() || heights.side == 0 {
+    if !foot_m.is_finite() {
         return Ok(());
     }
     let top_m = foot_m + height_m;
@@ -93,7 +99,7 @@ pub fn lay(
     let moved = |i: usize| -> Vec3 {
         let left = ((top_m - wood.positions[i].y) / (RUN_OUT * height_m)).clamp(0.0, 1.0);
         let thick = (radii_m[i] / (THICKEST * tiles_m[i]).max(1e-6)).min(1.0);
-        wood.normals[i] * (heights.relief * tiles_m[i] * (heights.at(wood.uvs[i]) - 0.5) * left * thick)
+        wood.normals[i] * (tiles_m[i] * offset(wood.positions[i], wood.uvs[i]) * left * thick)
     };
     let moved: Vec<Vec3> = (0..wood.positions.len()).into_par_iter().map(moved).collect();
     // Vertices at one place, one after the other.
@@ -167,7 +173,7 @@ fn halve(
     wood: &mut Mesh,
     still: &[[u32; 3]],
     top_m: f32,
-    tags: &mut Vec<bool>,
+    tags: &mut Vec<u8>,
     monitor: &dyn Monitor,
 ) -> Result<bool, ReliefError> {
     let (tiles_m, radii_m) = (tile_lengths(wood), radii(wood));
@@ -265,10 +271,11 @@ mod tests {
     }
 
     /// Furrows along V: the height by U alone.
-    fn furrows(relief: f32) -> Heights {
+    fn furrows(relief: f32) -> impl Fn(Vec3, Vec2) -> f32 + Sync {
         let side = 32;
         let value = |i: usize| 0.5 + 0.5 * libm::sinf(TAU * (i % side) as f32 / side as f32);
-        Heights { values: (0..side * side).map(value).collect(), side, relief }
+        let heights = Heights { values: (0..side * side).map(value).collect(), side, relief };
+        move |_, uv| heights.offset(uv)
     }
 
     /// Triangles at each edge between two places; no edge between two rims is there.
@@ -289,7 +296,7 @@ mod tests {
     fn relief_moves_low_wood_and_opens_no_seam() {
         let plain = tube();
         let mut rough = plain.clone();
-        lay(&mut rough, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut rough, &[], furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert!(rough.triangles.len() > 8 * plain.triangles.len(), "{}", rough.triangles.len());
         // Every edge but those of the two rims is between two triangles, seam or not.
         let is_rim = |ends: &[[u32; 3]; 2]| {
@@ -325,7 +332,7 @@ mod tests {
         // As textured as the thick one: a hundredth of the tiles round it.
         twig.uvs.iter_mut().for_each(|uv| uv.x *= 0.01);
         let plain = twig.clone();
-        lay(&mut twig, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut twig, &[], furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert_eq!(twig.triangles, plain.triangles);
         let most =
             twig.positions.iter().zip(&plain.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
@@ -339,7 +346,7 @@ mod tests {
         high.triangles.drain(..2 * 12);
         // The second ring is in both.
         high.positions.drain(..13);
-        lay(&mut low, &[&high], &furrows(0.05), (None, 4.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut low, &[&high], furrows(0.05), (None, 4.0), &mut Vec::new(), &Quiet).unwrap();
         let ring: Vec<Vec3> = tube().positions[13..26].to_vec();
         assert!(low.positions[13..26] == ring[..]);
         assert!(low.positions.iter().filter(|p| p.y == 1.0).all(|p| ring.contains(p)));
@@ -349,8 +356,8 @@ mod tests {
     #[test]
     fn it_is_the_same_each_time() {
         let [mut a, mut b] = [tube(), tube()];
-        lay(&mut a, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
-        lay(&mut b, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut a, &[], furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut b, &[], furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert!(a == b);
     }
 }

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use super::bark::normals_by_lightness;
 use super::kept::{Album, CardPictures};
 use super::leaf::{LeafError, LeafLook, LeafPictures, TwigLook};
-use super::{Bark, BarkError, BarkPictures, Moss};
+use super::{Bark, BarkError, BarkPictures, Moss, Torn};
 use linden_base::monitor::Monitor;
 use linden_base::picture::{Picture, PictureKey, PictureStore};
 use linden_base::random::Key;
@@ -20,6 +20,7 @@ pub struct DrawnPictures {
     barks: Shelf<Bark, BarkPictures>,
     reliefs: Shelf<Made<f32>, Arc<Picture>>,
     mosses: Shelf<Made<Moss>, Arc<Picture>>,
+    torn: Shelf<(Bark, Bark, Torn), BarkPictures>,
     leaves: Shelf<Leaves, LeafPictures>,
     album: Album,
 }
@@ -40,7 +41,8 @@ impl DrawnPictures {
             barks: Shelf::new(room),
             reliefs: Shelf::new(small),
             mosses: Shelf::new(small),
-            leaves: Shelf::new(bytes - 2 * room),
+            torn: Shelf::new(room),
+            leaves: Shelf::new(bytes - 3 * room),
             album: Album(None),
         }
     }
@@ -82,6 +84,20 @@ impl DrawnPictures {
         self.mosses.get(&wanted, || {
             let draw = || Ok(Arc::new(moss.grow_on(of, monitor)?));
             self.album.get("moss", &moss, Some(of), monitor, draw)
+        })
+    }
+
+    /// [`Torn::over`] two barks that are drawn.
+    pub(crate) fn torn(
+        &self,
+        (upper, lower): (&Bark, &Bark),
+        torn: Torn,
+        monitor: &dyn Monitor,
+    ) -> Result<BarkPictures, BarkError> {
+        let wanted = (*upper, *lower, torn);
+        self.torn.get(&wanted, || {
+            let draw = || torn.over(&self.bark(upper, monitor)?, &self.bark(lower, monitor)?, monitor);
+            self.album.get("torn", &wanted, None, monitor, draw)
         })
     }
 

@@ -11,6 +11,6 @@ pub mod leaf;
 mod periodic;
 
 pub(crate) use bark::opaque;
-pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, Moss, normals_by_lightness};
+pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, Moss, Torn, normals_by_lightness};
 pub use drawn::DrawnPictures;
 pub use ground::{GROUND_TILE_M, ground};

@@ -1,10 +1,19 @@
 //! Knobs of `[bark]` that change nothing.
 
-use linden_plant::settings::{Dressing, MossSettings};
+use linden_plant::settings::{BarkSettings, DetailSettings, Dressing};
 use linden_plant::surface::Junction;
 use linden_plant::wind::Wind;
 
 use super::{ONE_BARK, Rule, when};
+
+const FOOT: &[&str] = &["foot_height", "foot_bark", "foot_color"];
+
+/// Why the trunk of a small level is in one part.
+const SMALL: &str = "levels of fewer than 5000 triangles have none";
+
+fn is_small(detail: &DetailSettings) -> bool {
+    (1..BarkSettings::LEAST_TRIANGLES).contains(&detail.finest())
+}
 
 pub(super) static RULES: &[Rule] = &[
     Rule {
@@ -46,6 +55,19 @@ pub(super) static RULES: &[Rule] = &[
         why: |preset| when(preset.dressing.tubes.junction == Junction::Watertight, ONE_BARK),
     },
     Rule {
+        knobs: &["foot_bark", "foot_color"],
+        why: |preset| when(preset.dressing.tubes.features.foot_bark_m == 0.0, "foot_height is 0"),
+    },
+    Rule {
+        knobs: FOOT,
+        why: |preset| {
+            let Dressing { bark, detail, tubes, .. } = &preset.dressing;
+            when(!bark.is_drawn(), "it lies under a bark that is drawn, and a picture stands in its place")
+                .or(when(tubes.junction == Junction::Watertight, ONE_BARK))
+                .or(when(is_small(detail), SMALL))
+        },
+    },
+    Rule {
         knobs: &["moss_side", "moss_height", "moss_radius", "moss_color"],
         why: |preset| when(preset.dressing.bark.moss.amount == 0.0, "moss is 0"),
     },
@@ -55,13 +77,7 @@ pub(super) static RULES: &[Rule] = &[
     },
     Rule {
         knobs: &["moss", "moss_side", "moss_height", "moss_radius", "moss_color"],
-        why: |preset| {
-            let finest = preset.dressing.detail.finest();
-            when(
-                (1..MossSettings::LEAST_TRIANGLES).contains(&finest),
-                "levels of fewer than 5000 triangles have none",
-            )
-        },
+        why: |preset| when(is_small(&preset.dressing.detail), SMALL),
     },
     Rule {
         knobs: &["bark_relief_height"],

@@ -9,6 +9,7 @@ mod lenticels;
 mod moss;
 mod styles;
 mod surface;
+mod torn;
 mod user;
 
 use std::sync::Arc;
@@ -20,6 +21,7 @@ use self::even::even;
 use self::lenticels::Lenticels;
 pub use self::moss::Moss;
 use self::surface::{Spot, Surface};
+pub use self::torn::Torn;
 pub use self::user::{normals_by_lightness, opaque};
 use linden_base::color::{code, linear};
 use linden_base::memory::{OverMemory, bytes_of};
@@ -243,6 +245,16 @@ fn normals(
         }
     });
     rgba
+}
+
+/// The value below which a share of all lies.
+fn quantile(values: &[f32], share: f32) -> f32 {
+    let mut sorted = values.to_vec();
+    let at = ((share * values.len() as f32) as usize).min(values.len().saturating_sub(1));
+    if sorted.is_empty() {
+        return 0.0;
+    }
+    *sorted.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
 #[cfg(test)]

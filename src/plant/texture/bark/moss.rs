@@ -7,7 +7,7 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::BarkError;
+use super::{BarkError, quantile};
 use crate::texture::periodic::{Cells, Noise, Octaves, smoothstep};
 use linden_base::color::{code, linear, luminance};
 use linden_base::memory::bytes_of;
@@ -145,16 +145,6 @@ impl Moss {
 /// Bark under a film of algae: as light and dark as it is, and yellower than moss.
 fn algae(bark: Vec3) -> Vec3 {
     luminance(bark.to_array()) * Vec3::new(1.02, 1.22, 0.62)
-}
-
-/// The value below which a share of all lies.
-fn quantile(values: &[f32], share: f32) -> f32 {
-    let mut sorted = values.to_vec();
-    let at = ((share * values.len() as f32) as usize).min(values.len().saturating_sub(1));
-    if sorted.is_empty() {
-        return 0.0;
-    }
-    *sorted.select_nth_unstable_by(at, f32::total_cmp).1
 }
 
 #[cfg(test)]
