@@ -31,7 +31,7 @@ fn each_kind_stands_in_the_form_with_its_knobs() {
     assert_ne!(bench.value("also.1.leaf_length"), "0.036");
     assert_eq!(bench.value("leaf_length"), first, "the first kind's stays");
     let screen = text(&bench.paint(100, 40).0);
-    assert!(screen.contains("●leaf_length") && screen.contains("─ also.1.leaf_length ─"), "{screen}");
+    assert!(screen.contains("●leaf_length") && screen.contains("─ blossom.leaf_length ─"), "{screen}");
     bench.keys("r");
     assert!(!bench.tree().is_modified());
 }
@@ -60,6 +60,20 @@ fn a_kind_is_added_named_turned_by_its_name_and_taken_away() {
     assert_eq!((also(&bench).len(), also(&bench)[0].name.as_deref()), (1, None), "{}", bench.said());
     bench.keys("u");
     assert_eq!(also(&bench)[0].name.as_deref(), Some("catkins"));
+    // By the names that the form has, never by the numbers of documents.
+    assert_eq!(bench.said(), "undone: the kind of foliage catkins is there");
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Kind(0)));
+    bench.keys("u u");
+    assert_eq!(bench.said(), "undone: catkins.leaf_keep 0.5 → 1");
+    bench.keys("u");
+    assert_eq!(bench.said(), "undone: the kind of foliage catkins → blossom");
+    bench.keys("u");
+    assert_eq!(bench.said(), "undone: the kind of foliage blossom is gone");
+    bench.keys("ctrl-r");
+    assert_eq!(bench.said(), "done again: the kind of foliage blossom is there");
+    bench.keys("ctrl-r ctrl-r");
+    assert_eq!(bench.said(), "done again: catkins.leaf_keep 1 → 0.5");
+    bench.keys("ctrl-r");
     bench.keys("u u u u");
     assert!(!bench.tree().is_modified() && also(&bench).is_empty());
     bench.keys("ctrl-r ctrl-r ctrl-r ctrl-r ctrl-r");

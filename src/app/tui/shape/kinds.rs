@@ -1,7 +1,7 @@
 //! Kinds of foliage in the form: added, named and taken away. Their knobs are rows like all others.
 
 use crossterm::event::KeyEvent;
-use linden::preset::{Form, LeafKind, MOST_KINDS, Preset, Section};
+use linden::preset::{Form, LeafKind, MOST_KINDS, Preset, PresetKnob, Section};
 use linden::texture::leaf::Outline;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -82,6 +82,18 @@ pub fn take_away(model: &mut Model, kind: usize) {
             model.say(format!("taken away: the kind of foliage {label}; Undo gives it back"));
         }
         Err(why) => model.say_warning(why.to_string()),
+    }
+}
+
+/// What a knob is called on screen and everywhere that it is typed: `blossom.leaf_keep` where it is of a kind that the
+/// form calls so.
+pub fn called(preset: &Preset, row: &PresetKnob) -> String {
+    match row.section {
+        Section::Kind(kind) => match preset.kind_labels().get(kind) {
+            Some(label) => format!("{label}.{}", row.short_name()),
+            None => row.knob.name.to_owned(),
+        },
+        _ => row.knob.name.to_owned(),
     }
 }
 

@@ -27,6 +27,7 @@ use linden::preset::{Preset, PresetKnob, Section};
 
 pub use commands::COMMANDS;
 pub use editor::class_style;
+pub use kinds::called;
 pub use save_lines::ask_for_folder;
 pub use value::turn;
 
@@ -237,17 +238,19 @@ fn nudge_to(model: &Model, up: bool, how: Nudge) -> Result<(&'static str, String
         return Err(format!("{what} is typed: press Enter"));
     };
     let name = row.knob.name;
+    let called = || model.tree.as_ref().map_or_else(String::new, |tree| kinds::called(tree.preset(), &row));
     // What each seed draws stays drawn, about another middle.
     if let Some(spread) = model.tree.as_ref().and_then(|tree| tree.preset().spread(&row)) {
         let to = nudged(&row.knob.kind, &spread.middle(), up, how);
         let moved = to.and_then(|text| row.knob.kind.parse(&text).ok()).and_then(|to| spread.about(&to));
-        let typed = || format!("the spread of {name} is typed: press Enter");
+        let typed = || format!("the spread of {} is typed: press Enter", called());
         return moved.map(|moved| (name, moved.to_string())).ok_or_else(typed);
     }
     // What is left to linden is nudged from what linden has made of it.
     let now = model.tree.as_ref().and_then(|tree| resolved(tree, &row)).filter(|_| value == Value::Auto);
     let text = nudged(&row.knob.kind, now.as_ref().unwrap_or(&value), up, how);
-    text.map(|text| (name, text)).ok_or_else(|| format!("{name} is typed: press Enter ({})", row.knob.kind))
+    text.map(|text| (name, text))
+        .ok_or_else(|| format!("{} is typed: press Enter ({})", called(), row.knob.kind))
 }
 
 /// What a knob that stands at `auto` is on the tree on screen, where that can be seen.

@@ -1,8 +1,11 @@
 //! Undo and redo: what each of them changed is said, and the cursor goes there.
 
-use linden::preset::Preset;
+use std::cmp::Ordering;
+
+use linden::preset::{LeafKind, Preset, Section};
 use linden::skeleton::edit::Edit;
 
+use super::kinds::called;
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::grammar_of;
 use crate::wrap::clipped;
@@ -33,7 +36,10 @@ pub fn walk(model: &mut Model, is_undo: bool) {
             let pairs = before.layout.knobs().zip(forest.wanted().layout.knobs());
             let turned = pairs.filter(|((_, was), (_, is))| was != is);
             turned
-                .map(|((row, was), (_, is))| knob(row.knob.name, &was.to_string(), &is.to_string()))
+                .map(|((row, was), (_, is))| Difference {
+                    words: turn(row.knob.name, &was.to_string(), &is.to_string()),
+                    spot: FormSpot::Knob(row.knob.name),
+                })
                 .collect()
         }
         (None, Some(tree)) => {
@@ -59,9 +65,31 @@ pub fn walk(model: &mut Model, is_undo: bool) {
     });
 }
 
-fn knob(name: &'static str, was: &str, is: &str) -> Difference {
-    let words = format!("{name} {} → {}", clipped(was, VALUE), clipped(is, VALUE));
-    Difference { words, spot: FormSpot::Knob(name) }
+fn turn(name: &str, was: &str, is: &str) -> String {
+    format!("{name} {} → {}", clipped(was, VALUE), clipped(is, VALUE))
+}
+
+/// What was done to the kinds of foliage as wholes: one is there or gone, or has another name.
+fn of_kinds(before: &Preset, after: &Preset) -> Option<Difference> {
+    let [was, is] = [before, after].map(|preset| &preset.dressing.foliage.also);
+    let label = |preset: &Preset, kind: usize| preset.kind_labels().get(kind).cloned().unwrap_or_default();
+    let differs = |(was, is): (&LeafKind, &LeafKind)| was != is;
+    let at = was.iter().zip(is).position(differs).unwrap_or(was.len().min(is.len()));
+    let words = match was.len().cmp(&is.len()) {
+        Ordering::Less => format!("the kind of foliage {} is there", label(after, at)),
+        Ordering::Greater => format!("the kind of foliage {} is gone", label(before, at)),
+        Ordering::Equal if was.get(at)?.name != is[at].name => {
+            format!("the kind of foliage {} → {}", label(before, at), label(after, at))
+        }
+        Ordering::Equal => return None,
+    };
+    // Where none is left, the knobs of the first are next to it.
+    let of_first = || after.knobs().into_iter().find(|(row, _)| row.section == Section::Foliage);
+    let spot = match is.len().checked_sub(1) {
+        Some(last) => FormSpot::Kind(at.min(last)),
+        None => FormSpot::Knob(of_first()?.0.knob.name),
+    };
+    Some(Difference { words, spot })
 }
 
 /// What was done to the edits of the wood, as it was said when it was done.
@@ -85,14 +113,22 @@ fn differences(before: &Preset, after: &Preset, is_undo: bool) -> Vec<Difference
     if grammar_of(before) != grammar_of(after) {
         found.push(Difference { words: "the grammar".to_owned(), spot: FormSpot::Rule(0) });
     }
+    let of_kinds = of_kinds(before, after);
+    // Where a kind came or went, the others have other numbers.
+    let kinds_stay = before.dressing.foliage.also.len() == after.dressing.foliage.also.len();
     for (row, _) in after.all_knobs() {
-        if before.differs(&row, after) {
+        let is_comparable = kinds_stay || !matches!(row.section, Section::Kind(_));
+        if is_comparable && before.differs(&row, after) {
             // A choice brings knobs along, which were not there.
             let [was, is] =
                 [before, after].map(|preset| preset.text_of(&row).unwrap_or_else(|| "none".to_owned()));
-            found.push(knob(row.knob.name, &was, &is));
+            found.push(Difference {
+                words: turn(&called(after, &row), &was, &is),
+                spot: FormSpot::Knob(row.knob.name),
+            });
         }
     }
+    found.extend(of_kinds);
     if before.edits != after.edits {
         let same = before.edits.iter().zip(&after.edits).take_while(|(was, is)| was == is).count();
         let last = after.edits.len().saturating_sub(1);

@@ -11,7 +11,7 @@ use unicode_width::UnicodeWidthStr;
 
 use super::slider::Scale;
 use super::value::ValueLine;
-use super::{FormRow, complete, edit_lines, forecast, listed, resolved, spot};
+use super::{FormRow, called, complete, edit_lines, forecast, listed, resolved, spot};
 use crate::tui::chrome::prompt::Prompt;
 use crate::tui::forest::ForestOnScreen;
 use crate::tui::layout::{Pane, Target, View, first_row};
@@ -257,8 +257,12 @@ impl FormView<'_> {
             return;
         }
         let theme = &self.model.config.theme;
+        let of_knob;
         let name = match row {
-            FormRow::Knob(row_knob, _) => row_knob.knob.name,
+            FormRow::Knob(row_knob, _) => {
+                of_knob = called(&self.tree.wanted().preset, row_knob);
+                of_knob.as_str()
+            }
             FormRow::Rule(0, _) => "axiom",
             FormRow::Edit(..) => "edit",
             FormRow::Kind(..) => "kind of foliage",

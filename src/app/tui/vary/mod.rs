@@ -53,6 +53,8 @@ pub struct Gallery {
 /// What is on screen of a gallery.
 struct GalleryPage {
     knob: Knob,
+    /// What it is called on screen.
+    called: String,
     section: Section,
     grid: Grid,
     series: ValueSeries,
@@ -108,7 +110,9 @@ fn open(model: &mut Model, name: &'static str) {
 impl Gallery {
     /// What is on screen, or why there is nothing.
     fn page(&self, model: &Model) -> Result<GalleryPage, String> {
-        let (PresetKnob { knob, section, .. }, current) = knob(model, self.knob)?;
+        let (row, current) = knob(model, self.knob)?;
+        let PresetKnob { knob, section, .. } = row;
+        let called = model.tree.as_ref().map_or_else(String::new, |tree| shape::called(tree.preset(), &row));
         let room = room(model);
         let most = Grid::most(room);
         let series = ValueSeries::of(&knob, &current, self.spread, most)?;
@@ -121,7 +125,7 @@ impl Gallery {
             (first..=first.saturating_add(count - 1)).filter_map(|at| series.at(at)).collect();
         let chosen = (chosen - first) as usize;
         let grid = Grid::new(room, values.len());
-        Ok(GalleryPage { knob, section, grid, series, first, values, chosen, current })
+        Ok(GalleryPage { knob, called, section, grid, series, first, values, chosen, current })
     }
 
     /// The picture of a value, if one has come for the tree on screen.
@@ -250,7 +254,7 @@ impl Gallery {
             Ok(()) => {
                 // Never one step with a nudge of the same knob a moment ago.
                 tree.replace(preset);
-                model.say(label(&page.knob, value));
+                model.say(page.label(value));
             }
             Err(error) => model.say_warning(error.to_string()),
         }
@@ -267,11 +271,14 @@ enum Way {
     Down,
 }
 
-/// A knob's value in words: `seed 17`, `kill 2D`, `angle 25.7 deg`.
-fn label(knob: &Knob, value: &Value) -> String {
-    let has_unit = matches!(value, Value::Real(_) | Value::Integer(_)) && knob.unit != knob.name;
-    let unit = if has_unit && !knob.unit.is_empty() { format!(" {}", knob.unit) } else { String::new() };
-    format!("{} {value}{unit}", knob.name)
+impl GalleryPage {
+    /// The knob's value in words: `seed 17`, `kill 2D`, `angle 25.7 deg`.
+    fn label(&self, value: &Value) -> String {
+        let Self { knob, called, .. } = self;
+        let has_unit = matches!(value, Value::Real(_) | Value::Integer(_)) && knob.unit != knob.name;
+        let unit = if has_unit && !knob.unit.is_empty() { format!(" {}", knob.unit) } else { String::new() };
+        format!("{called} {value}{unit}")
+    }
 }
 
 /// The pictures of the gallery as pixels, and the cells that they cover; `None` when no gallery is on top.

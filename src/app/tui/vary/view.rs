@@ -13,7 +13,7 @@ use unicode_width::UnicodeWidthStr;
 
 use super::grid::Grid;
 use super::sweep::SEED;
-use super::{CONTEXT, Gallery, GalleryPage, label};
+use super::{CONTEXT, Gallery, GalleryPage};
 use crate::figures::{metres, thousands};
 use crate::jobs::{SmallPicture, Thumbnail, TreeSize};
 use crate::tui::chrome::footer::key_label;
@@ -94,10 +94,10 @@ fn title(model: &Model, gallery: &Gallery, page: &GalleryPage) -> String {
     let what = match page.values.as_slice() {
         [from, .., to] if page.knob.name == SEED => format!("Seeds {from} to {to}"),
         [from, .., to] if matches!(from, Value::Real(_) | Value::Steps(_) | Value::Integer(_)) => {
-            format!("Sweep: {} to {to}", label(&page.knob, from))
+            format!("Sweep: {} to {to}", page.label(from))
         }
         _ if page.knob.name == SEED => "Seeds".to_owned(),
-        _ => format!("Sweep: {}", page.knob.name),
+        _ => format!("Sweep: {}", page.called),
     };
     let scale = if gallery.one_scale { " · in one scale" } else { "" };
     let (there, all) = gallery.progress(model, page);
@@ -122,7 +122,7 @@ fn cell(
     let value = &page.values[index];
     let is_chosen = index == page.chosen;
     let now = if *value == page.current { " · now" } else { "" };
-    let name = format!("{}{now}", label(&page.knob, value));
+    let name = format!("{}{now}", page.label(value));
     let (sizes, amounts) = match thumbnail.map(|thumbnail| &thumbnail.result) {
         Some(Ok(picture)) => (sizes(picture.size, size_set(model, page)), amounts(picture)),
         Some(Err(_)) | None => Default::default(),
