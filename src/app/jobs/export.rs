@@ -166,12 +166,11 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         turned,
         ..
     } = order;
-    let home = std::env::home_dir();
     // They go again when the export fails.
     let mut folders = Vec::new();
     for output in &mut outputs {
         if let Some(typed) = output.path.to_str() {
-            output.path = expand(typed, home.as_deref());
+            output.path = expand(typed).map_err(anyhow::Error::msg)?;
         }
         if makes_folders {
             folders.push(make_folders(&output.path)?);

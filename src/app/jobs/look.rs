@@ -13,7 +13,7 @@ use linden_exporters::{Estimate, Existing, ExportError, Output, examine};
 
 use super::export::{NO_STREAM, files_of};
 use super::{ExportNews, ShownTree};
-use crate::paths::{expand, is_one_of};
+use crate::paths::{self, expand, expand_with, is_one_of};
 use crate::portrait;
 use crate::system;
 
@@ -67,6 +67,8 @@ pub struct Findings {
     pub inquiry: Inquiry,
     /// For each target.
     pub targets: Vec<TargetFinding>,
+    /// Where each would be from the root on, as it was typed where it is no path.
+    pub places: Vec<PathBuf>,
     /// Lines that what is being typed may go on to be, directories with a separator at their end.
     pub completions: Vec<String>,
 }
@@ -101,21 +103,17 @@ fn find_out(inquiry: Inquiry, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) -
         let estimate = Estimate::new(&shown.recipe, &shown.grown, watcher)?;
         say(ExportNews::Estimated(Arc::clone(shown), estimate));
     }
-    let home = std::env::home_dir();
-    let targets = findings(&inquiry, home.as_deref(), watcher)?;
+    let targets = findings(&inquiry, watcher)?;
+    let places = inquiry.targets.iter().map(|target| whole(&target.path)).collect();
     let completions = match &inquiry.completes {
-        Some(typed) => completions(typed, home.as_deref(), watcher)?,
+        Some(typed) => completions(typed, std::env::home_dir().as_deref(), watcher)?,
         None => Vec::new(),
     };
-    say(ExportNews::Found(Box::new(Findings { inquiry, targets, completions })));
+    say(ExportNews::Found(Box::new(Findings { inquiry, targets, places, completions })));
     Ok(())
 }
 
-fn findings(
-    inquiry: &Inquiry,
-    home: Option<&Path>,
-    watcher: &dyn Monitor,
-) -> Result<Vec<TargetFinding>, Cancelled> {
+fn findings(inquiry: &Inquiry, watcher: &dyn Monitor) -> Result<Vec<TargetFinding>, Cancelled> {
     let known = portrait::formats();
     let ages: Vec<&str> = inquiry.ages.iter().map(String::as_str).collect();
     let mut taken = BTreeSet::<(PathBuf, OsString)>::new();
@@ -123,12 +121,18 @@ fn findings(
     for target in &inquiry.targets {
         watcher.check()?;
         let typed = target.path.to_string_lossy();
-        let path = expand(&typed, home);
         let format = target.exporter.format();
         if typed.is_empty() {
             found.push(TargetFinding::Unfit("type where the file is to be".to_owned()));
             continue;
         }
+        let path = match expand(&typed) {
+            Ok(path) => path,
+            Err(why) => {
+                found.push(TargetFinding::Unfit(why));
+                continue;
+            }
+        };
         if let Some(other) = known.misnamed(format, &path) {
             let why =
                 format!("that ending is of {}, and this is {}; choose another name", other.id, format.id);
@@ -191,6 +195,12 @@ fn finding(path: &Path) -> TargetFinding {
     }
 }
 
+/// A path that was typed, from the root on.
+fn whole(typed: &Path) -> PathBuf {
+    let path = typed.to_str().and_then(|typed| expand(typed).ok());
+    path.and_then(|path| std::path::absolute(path).ok()).unwrap_or_else(|| typed.to_owned())
+}
+
 fn directory_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -217,14 +227,17 @@ fn completions(typed: &str, home: Option<&Path>, watcher: &dyn Monitor) -> Resul
     if before.is_empty() && start == "~" && home.is_some() {
         return Ok(vec!["~/".to_owned()]);
     }
-    let directory = if before.is_empty() { PathBuf::from(".") } else { expand(before, home) };
-    let Ok(entries) = fs::read_dir(directory) else { return Ok(Vec::new()) };
+    let expanded = || expand_with(before, home, &|name| std::env::var_os(name)).ok();
+    let directory = if before.is_empty() { Some(PathBuf::from(".")) } else { expanded() };
+    let Some(Ok(entries)) = directory.map(fs::read_dir) else { return Ok(Vec::new()) };
+    // As names are typed that have a dollar.
+    let start = start.replace("$$", "$");
     let mut found = Vec::new();
     for entry in entries.take(MOST_ENTRIES) {
         watcher.check()?;
         let Ok(entry) = entry else { continue };
         let name = entry.file_name();
-        let Some(name) = name.to_str().filter(|name| name.starts_with(start)) else { continue };
+        let Some(name) = name.to_str().filter(|name| name.starts_with(&start)) else { continue };
         if name.starts_with('.') && !start.starts_with('.') {
             continue;
         }
@@ -233,6 +246,7 @@ fn completions(typed: &str, home: Option<&Path>, watcher: &dyn Monitor) -> Resul
             Ok(kind) => kind.is_dir(),
             Err(_) => false,
         };
+        let name = if before.is_empty() { paths::typed(name) } else { name.replace('$', "$$") };
         found.push(format!("{before}{name}{}", if is_directory { "/" } else { "" }));
         if found.len() == MOST_COMPLETIONS {
             break;
@@ -288,6 +302,8 @@ mod tests {
         let names = ["new.glb", "old.obj", "sub", "none/fir.ply", "crown.obj", "sub/../new.glb"];
         let targets = names.map(at);
         let found = asked(&targets.each_ref().map(String::as_str), None, vec![at("crown.obj").into()]);
+        let here = asked(&["old.obj"], None, Vec::new()).places.remove(0);
+        assert_eq!(here, std::env::current_dir().unwrap().join("old.obj"));
         let there = TargetFinding::Replaces(vec![at("old.obj").into()]);
         assert_eq!(found.targets[..2], [TargetFinding::Free, there]);
         assert!(unfit(&found.targets[2]).starts_with("that is a directory"), "{found:?}");
@@ -296,6 +312,9 @@ mod tests {
         assert!(unfit(&found.targets[5]).contains("another format"), "{found:?}");
         let found = asked(&["", "/dev/null"], None, Vec::new());
         assert!(unfit(&found.targets[0]).contains("type where"));
+        let unknown = asked(&["$LINDEN_NEVER_SET/a.glb", "~nobody/a.glb"], None, Vec::new());
+        assert!(unfit(&unknown.targets[0]).contains("$LINDEN_NEVER_SET is not set"));
+        assert!(unfit(&unknown.targets[1]).contains("another user's home"));
         #[cfg(unix)]
         assert!(unfit(&found.targets[1]).contains("pipe or a device"));
         assert_eq!(fs::read_to_string(at("old.obj")).unwrap(), "before");
@@ -381,6 +400,9 @@ mod tests {
         assert_eq!(complete("fi"), ["fields/", "fig", "fir.glb"]);
         assert_eq!(complete(""), ["fields/", "fig", "fir.glb", "oak"]);
         assert_eq!(complete("."), [".hidden"]);
+        // As it means that name, and no variable.
+        fs::write(dir.path().join("$fir"), "").unwrap();
+        assert_eq!((complete("$"), complete("$$f")), (vec!["$$fir".to_owned()], vec!["$$fir".to_owned()]));
         assert!(complete("x").is_empty());
         assert!(asked(&[], Some("/nowhere/at/all"), Vec::new()).completions.is_empty());
     }

@@ -1,12 +1,15 @@
 //! The commands that export, and those of the dialog.
 
-use super::dialog::{self, ExportDialog, StartState};
+use super::dialog::{self, ExportDialog, ExportSpot, StartState};
 use super::{cancel, has_nothing, open, start};
 use crate::tui::chrome::{Page, PageLine};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::Effects;
 use crate::tui::model::{Command, Model, Weight, free};
+
+/// What can be done while a question is open.
+const ANSWERS: &str = "y is yes, n is no";
 
 /// A row of the dialog.
 const fn row(
@@ -58,6 +61,10 @@ fn nudge(model: &mut Model, up: bool) {
 
 fn asks(model: &Model) -> bool {
     model.dialogs.top::<ExportDialog>().is_some_and(|dialog| dialog.start == StartState::Asking)
+}
+
+fn at_start(model: &Model) -> bool {
+    model.dialogs.top::<ExportDialog>().is_some_and(|dialog| dialog.cursor == ExportSpot::Start)
 }
 
 fn asks_nothing(model: &Model) -> Option<String> {
@@ -148,18 +155,24 @@ pub const COMMANDS: &[Command] = &[
         step(m, isize::MIN);
     }),
     row("export-last", &["G", "end"], "Last row", "Goes to the button", None, |m, _| step(m, isize::MAX)),
-    row(
-        "export-toggle",
-        &["space"],
-        "Tick",
-        "Ticks a format, turns a switch over, or goes to the next choice",
-        Some(10),
-        |m, _| {
-            with(m, |dialog| {
-                dialog.toggle();
-            });
+    Command {
+        hindrance: |model| {
+            let can = model.dialogs.top().is_some_and(ExportDialog::can_toggle);
+            (!can).then(|| "there is nothing to tick in this row, Enter types it".to_owned())
         },
-    ),
+        ..row(
+            "export-toggle",
+            &["space"],
+            "Tick",
+            "Ticks a format, turns a switch over, or goes to the next choice",
+            Some(10),
+            |m, _| {
+                with(m, |dialog| {
+                    dialog.toggle();
+                });
+            },
+        )
+    },
     row(
         "export-more",
         &["right", "l"],
@@ -178,14 +191,17 @@ pub const COMMANDS: &[Command] = &[
         None,
         |m, _| nudge(m, false),
     ),
-    row(
-        "export-enter",
-        &["enter"],
-        "Change",
-        "Ticks, turns, types or presses what the cursor is on",
-        Some(12),
-        |m, _| with_model(m, ExportDialog::enter),
-    ),
+    Command {
+        hindrance: |model| (asks(model) && at_start(model)).then(|| ANSWERS.to_owned()),
+        ..row(
+            "export-enter",
+            &["enter"],
+            "Change",
+            "Ticks, turns, types or presses what the cursor is on",
+            Some(12),
+            |m, _| with_model(m, ExportDialog::enter),
+        )
+    },
     Command {
         id: "export-start",
         context: dialog::CONTEXT,
@@ -193,7 +209,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Export",
         help: "Starts the export, from any row",
         hint: Some(89),
-        hindrance: |model| asks(model).then(|| "y is yes, n is no".to_owned()),
+        hindrance: |model| asks(model).then(|| ANSWERS.to_owned()),
         run: |m, _| with_model(m, ExportDialog::press_start),
     },
     row(
@@ -213,14 +229,20 @@ pub const COMMANDS: &[Command] = &[
     line("export-line-accept", &["enter"], "Accept", "Takes what was typed", Some(10), |m, _| {
         with(m, ExportDialog::accept_line);
     }),
-    line(
-        "export-line-complete",
-        &["tab"],
-        "Complete",
-        "Goes on with the name as far as it is clear, and offers the rest",
-        Some(11),
-        |m, _| with(m, ExportDialog::complete),
-    ),
+    Command {
+        hindrance: |model| {
+            let is_path = model.dialogs.top::<ExportDialog>().is_some_and(ExportDialog::types_path);
+            (!is_path).then(|| "only paths are completed".to_owned())
+        },
+        ..line(
+            "export-line-complete",
+            &["tab"],
+            "Complete",
+            "Goes on with the name as far as it is clear, and offers the rest",
+            Some(11),
+            |m, _| with(m, ExportDialog::complete),
+        )
+    },
     line("export-line-cancel", &["esc"], "Cancel", "Leaves the line as it was", Some(90), |m, _| {
         with(m, |dialog| dialog.line = None);
     }),

@@ -2,7 +2,7 @@
 //! exporters' registry; nothing here knows a format.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crossterm::event::KeyEvent;
@@ -16,6 +16,7 @@ use super::ages::age_turned;
 use super::knobs::ExportKnobs;
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
+use crate::paths;
 use crate::tui::chrome::prompt::{common_start, edit, paste};
 use crate::tui::command::Context;
 use crate::tui::model::KeptExport;
@@ -60,8 +61,8 @@ pub struct ExportDialog {
     pub knobs: Option<ExportKnobs>,
     /// Options that are set as the picture on screen is: format and option by their places, and the value.
     as_on_screen: Vec<(usize, usize, Value)>,
-    /// What was found out about targets, by their format and what was typed.
-    findings: BTreeMap<(&'static str, String), TargetFinding>,
+    /// What was found out about targets, and where they are from the root on, by their format and what was typed.
+    findings: BTreeMap<(&'static str, String), (TargetFinding, PathBuf)>,
     /// What the tree will amount to.
     estimate: Option<(Arc<ShownTree>, Estimate)>,
     /// Raised whenever everything is to be found out anew.
@@ -176,7 +177,7 @@ impl ExportDialog {
                 exporter: *exporter,
                 chosen: at_place.is_some() || (is_first && format.id == USUAL.format().id),
                 options,
-                target: format!("{directory}{}", default_name(id, *exporter)),
+                target: in_directory(directory, &default_name(id, *exporter)),
             }
         };
         let formats: Vec<_> = all.iter().map(choice).collect();
@@ -398,7 +399,7 @@ impl ExportDialog {
                 choice.target = text;
                 // A directory is named: the file in it has its usual name.
                 if choice.target.ends_with(std::path::is_separator) {
-                    choice.target.push_str(&default_name(&self.id, choice.exporter));
+                    choice.target = in_directory(&choice.target, &default_name(&self.id, choice.exporter));
                 }
             }
             ExportSpot::Option(i, k) => {
@@ -450,9 +451,14 @@ impl ExportDialog {
         }
     }
 
+    /// Whether the line that is typed is a path.
+    pub fn types_path(&self) -> bool {
+        self.line.is_some() && matches!(self.cursor, ExportSpot::Target(_))
+    }
+
     /// Asks what the path before the cursor may go on to be.
     pub fn complete(&mut self) {
-        let is_path = matches!(self.cursor, ExportSpot::Target(_));
+        let is_path = self.types_path();
         if let Some(line) = self.line.as_mut().filter(|_| is_path) {
             line.completes = Some(line.input.value().chars().take(line.input.cursor()).collect());
         }
@@ -491,7 +497,7 @@ impl ExportDialog {
 
     /// Takes what was found out; gives whether everything is known that the start waits for.
     pub fn take(&mut self, findings: Findings) -> bool {
-        let Findings { inquiry, targets, completions } = findings;
+        let Findings { inquiry, targets, places, completions } = findings;
         if let Some(line) = &mut self.line
             && line.completes.is_some()
             && line.completes == inquiry.completes
@@ -500,7 +506,7 @@ impl ExportDialog {
         }
         let place =
             |output: &Output| (output.exporter.format().id, output.path.to_string_lossy().into_owned());
-        self.findings = inquiry.targets.iter().map(place).zip(targets).collect();
+        self.findings = inquiry.targets.iter().map(place).zip(targets.into_iter().zip(places)).collect();
         self.start == StartState::Looking && inquiry.round == self.round
     }
 
@@ -535,6 +541,15 @@ impl ExportDialog {
 
     /// What was found out about what stands in a format's line.
     pub fn finding_at(&self, choice: &FormatChoice, target: &str) -> Option<&TargetFinding> {
+        Some(&self.found_at(choice, target)?.0)
+    }
+
+    /// Where what stands in a format's line is from the root on, once that was found out.
+    pub fn place_at(&self, choice: &FormatChoice, target: &str) -> Option<&Path> {
+        Some(&self.found_at(choice, target)?.1)
+    }
+
+    fn found_at(&self, choice: &FormatChoice, target: &str) -> Option<&(TargetFinding, PathBuf)> {
         self.findings.get(&(choice.exporter.format().id, target.trim().to_owned()))
     }
 
@@ -546,6 +561,16 @@ impl ExportDialog {
             _ => None,
         };
         chosen.find_map(why)
+    }
+
+    /// Whether Space does something in the row at the cursor.
+    pub fn can_toggle(&self) -> bool {
+        match self.cursor {
+            ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Client => true,
+            ExportSpot::Knob(_) => self.knob_row().is_some_and(|(knob, ..)| is_toggled(&knob.knob.kind)),
+            ExportSpot::Option(..) => self.option().is_some_and(|(_, spec, _)| is_toggled(&spec.knob.kind)),
+            ExportSpot::Target(_) | ExportSpot::Seasons | ExportSpot::Ages | ExportSpot::Start => false,
+        }
     }
 
     /// Files that would be replaced.
@@ -616,6 +641,11 @@ pub fn is_toggled(kind: &Kind) -> bool {
 /// A target's directory as it was typed, with the separator at its end; nothing for the current one.
 fn directory_of(target: &str) -> &str {
     target.rfind(std::path::is_separator).map_or("", |at| &target[..=at])
+}
+
+/// A name in such a directory, as it is typed.
+fn in_directory(directory: &str, name: &str) -> String {
+    if directory.is_empty() { paths::typed(name) } else { format!("{directory}{}", name.replace('$', "$$")) }
 }
 
 /// Goes on with a line as far as all completions agree, and offers them.

@@ -201,7 +201,7 @@ pub fn words(model: &Model) -> Option<ExportWords> {
     let is_known =
         |choice: &&FormatChoice| known.iter().any(|known| known.format().id == choice.exporter.format().id);
     let path_of = |choice: &FormatChoice| {
-        let path = expand(choice.target.trim(), std::env::home_dir().as_deref());
+        let path = expand(choice.target.trim()).ok()?;
         path.to_str()
             .filter(|path| !path.is_empty() && linden::knob::printable(path) == **path)
             .map(str::to_owned)
@@ -406,9 +406,8 @@ impl ExportDialog {
     /// Enter: ticks, turns, types or presses what is at the cursor.
     fn enter(&mut self, model: &mut Model) {
         match self.cursor {
-            ExportSpot::Start if self.start == StartState::Asking => {
-                model.say("y is yes, n is no");
-            }
+            // The question is answered by keys of its own.
+            ExportSpot::Start if self.start == StartState::Asking => {}
             ExportSpot::Start => self.press_start(model),
             ExportSpot::Target(_) | ExportSpot::Seasons | ExportSpot::Ages => self.begin_line(),
             ExportSpot::Format(_)

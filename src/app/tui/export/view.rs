@@ -1,6 +1,7 @@
 //! The export dialog: keys, the mouse, how it is painted; and what the footer says of the export under way.
 
-use std::path::PathBuf;
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
 
 use crossterm::event::{KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use linden::knob::{Kind, Value};
@@ -8,8 +9,7 @@ use linden_exporters::Estimate;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
-use ratatui::text::{Line, Span};
-use ratatui::widgets::{Paragraph, Widget, Wrap};
+use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::current;
@@ -18,7 +18,6 @@ use super::knobs::ExportKnobs;
 use crate::config::theme::Theme;
 use crate::figures::{length, thousands};
 use crate::jobs::{TargetFinding, WHOLE};
-use crate::paths::expand;
 use crate::tui::chrome::popup::{popup, scrollbar};
 use crate::tui::chrome::prompt;
 use crate::tui::command::Context;
@@ -28,14 +27,19 @@ use crate::tui::forest::ForestOnScreen;
 use crate::tui::growth;
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::Model;
-use crate::wrap::clipped;
+use crate::wrap::{clipped, wrapped, wrapped_within};
 
 /// Columns of the dialog, where there is room.
 const COLUMNS: u16 = 92;
-/// Rows below the list: a line, and what is to be said of the row at the cursor.
+/// Rows below the list: a line, and what is to be said of the row at the cursor. A question has as many as it takes, up
+/// to half of all.
 const ABOUT: u16 = 4;
 /// The same where the list is longer than its room.
 const LEAST_ABOUT: u16 = 3;
+/// Rows of the dialog from which its heading may take two.
+const WITH_HEADING: u16 = 14;
+/// Columns from which a row says how large its file will be, and two rows say enough of it.
+const WIDE: u16 = 60;
 /// Columns of a format's id, the longest being `ply-skeleton`.
 const ID: usize = 13;
 /// Columns before what belongs to a format.
@@ -139,27 +143,29 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
     if area.is_empty() {
         return;
     }
-    let heading = u16::from(area.height >= 8);
-    let about = match area.height {
-        ..8 => 0,
-        height if usize::from(height - heading - ABOUT) < spots.len() => LEAST_ABOUT,
-        _ => ABOUT,
-    };
     let shown = model.tree.as_ref().and_then(current);
     let estimate = shown.and_then(|shown| dialog.estimate(shown));
-    if heading > 0 {
-        let row = Rect { height: 1, ..area };
-        match &model.forest {
-            Some(forest) => forest_row(model, forest, row, buffer),
-            None if dialog.is_another_tree() => {
-                heading_text(&set_here(dialog), row, model.config.theme.modified, buffer);
-            }
-            None => match growth::warning(model) {
-                Some(warning) => heading_text(&warning, row, model.config.theme.warning, buffer),
-                None => heading_row(model, shown.is_some(), estimate, row, buffer),
-            },
-        }
+    let (text, style) = heading(model, dialog, shown.is_some(), estimate);
+    let most = match area.height {
+        ..8 => 0,
+        8..WITH_HEADING => 1,
+        _ => 2,
+    };
+    let rows = wrapped_within(&text, usize::from(area.width).saturating_sub(1), most);
+    let heading = (rows.len() as u16).min(most as u16);
+    for (row, y) in rows.iter().zip(area.y..area.y + heading) {
+        buffer.set_stringn(area.x + 1, y, row, usize::from(area.width).saturating_sub(1), style);
     }
+    let said = said(model, dialog);
+    let about = match area.height {
+        ..8 => 0,
+        height if dialog.start == StartState::Asking => {
+            let rows = wrapped(&said.0, area.width.into()).len() as u16;
+            (rows + 1).max(LEAST_ABOUT).min(height / 2)
+        }
+        height if usize::from(height - heading - ABOUT) < spots.len() && area.width >= WIDE => LEAST_ABOUT,
+        _ => ABOUT,
+    };
     let list = Rect { y: area.y + heading, height: area.height - heading - about, ..area };
     let at = spots.iter().position(|spot| *spot == dialog.cursor).unwrap_or(0);
     let first = first_row(at, spots.len(), list.height.into());
@@ -173,12 +179,27 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         scrollbar(model, Rect { x: list.right(), width: 1, ..list }, first, spots.len(), buffer);
     }
     if about > 0 {
-        explain(model, dialog, Rect { y: list.bottom(), height: about, ..area }, buffer);
+        explain(model, said, Rect { y: list.bottom(), height: about, ..area }, buffer);
     }
 }
 
-/// What the surface amounts to.
-fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area: Rect, buffer: &mut Buffer) {
+/// What will be written: what is set for it alone, or what it amounts to.
+fn heading(
+    model: &Model,
+    dialog: &ExportDialog,
+    has_grown: bool,
+    estimate: Option<&Estimate>,
+) -> (String, Style) {
+    let theme = &model.config.theme;
+    if let Some(forest) = &model.forest {
+        return (of_forest(forest), theme.popup_dim);
+    }
+    if dialog.is_another_tree() {
+        return (set_here(dialog), theme.modified);
+    }
+    if let Some(warning) = growth::warning(model) {
+        return (warning, theme.warning);
+    }
     let text = match estimate {
         _ if !has_grown => "the tree is still growing; sizes are told when it has".to_owned(),
         None => "estimating …".to_owned(),
@@ -186,7 +207,7 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
             format!("about {} vertices, {} triangles", count(estimate.vertices), count(estimate.triangles))
         }
     };
-    heading_text(&text, area, model.config.theme.popup_dim, buffer);
+    (text, theme.popup_dim)
 }
 
 /// What is set for this export alone, which may stand far below.
@@ -202,22 +223,16 @@ fn set_here(dialog: &ExportDialog) -> String {
     format!("● {}: its size is known when it is written", set.join(", "))
 }
 
-fn heading_text(text: &str, area: Rect, style: Style, buffer: &mut Buffer) {
-    let text = clipped(&format!(" {text}"), area.width.into());
-    buffer.set_stringn(area.x, area.y, text, area.width.into(), style);
-}
-
 /// How many trees there will be; what that comes to is known when it is written.
-fn forest_row(model: &Model, forest: &ForestOnScreen, area: Rect, buffer: &mut Buffer) {
+fn of_forest(forest: &ForestOnScreen) -> String {
     let most = forest.wanted().layout.triangles;
-    let text = match &forest.shown {
+    match &forest.shown {
         Some(shown) if most > 0 => {
             format!("{} trees, up to {} triangles each", thousands(shown.trees), thousands(most))
         }
         Some(shown) => format!("{} trees", thousands(shown.trees)),
         None => "the forest is still growing".to_owned(),
-    };
-    heading_text(&text, area, model.config.theme.popup_dim, buffer);
+    }
 }
 
 /// An estimated number, to two digits: the others would promise too much.
@@ -284,7 +299,7 @@ impl RowPainter<'_> {
         let theme = &self.model.config.theme;
         let format = choice.exporter.format();
         let tick = if choice.chosen { "[x]" } else { "[ ]" };
-        let end = match self.estimate.filter(|_| choice.chosen && self.area.width >= 60) {
+        let end = match self.estimate.filter(|_| choice.chosen && self.area.width >= WIDE) {
             Some(estimate) => {
                 let bytes = match estimate.bytes(format, &choice.options) {
                     Some(bytes) => format!("about {}", length(bytes)),
@@ -436,12 +451,16 @@ impl RowPainter<'_> {
                 (1, true) => " Replace the file, make the directory?",
                 (_, false) => " Replace these files?",
                 (_, true) => " Replace these files, make the directory?",
-            }
-            .to_owned();
-            let mut x = self.text(row.x, row.right(), &question, theme.warning, buffer) + 1;
-            for (id, words) in [("export-yes", "yes"), ("export-no", "no")] {
+            };
+            let answers = [("export-yes", "yes"), ("export-no", "no")].map(|(id, words)| {
                 let key = self.model.config.keymap.keys_of(id).first().map(ToString::to_string);
-                let words = format!(" {} {words} ", key.unwrap_or_default());
+                (id, format!(" {} {words} ", key.unwrap_or_default()))
+            });
+            // What it is about stands below; the answers are whole.
+            let taken: u16 = answers.iter().map(|(_, words)| words.width() as u16 + 1).sum();
+            let end = row.right().saturating_sub(taken);
+            let mut x = self.text(row.x, end, question, theme.warning, buffer) + 1;
+            for (id, words) in answers {
                 let end = self.text(x, row.right(), &words, theme.button, buffer);
                 if end > x && end <= row.right() {
                     view.regions.push((Rect { x, width: end - x, ..row }, Target::Command(id)));
@@ -495,17 +514,40 @@ fn end_of(text: &str, width: usize) -> String {
 }
 
 /// What is to be said of the row at the cursor: what is wrong, what may follow, or what it is for.
-fn explain(model: &Model, dialog: &ExportDialog, area: Rect, buffer: &mut Buffer) {
-    let theme = &model.config.theme;
-    let rule = Line::styled("─".repeat(area.width.into()), theme.popup_border);
-    let (text, style) = said(model, dialog);
-    let text = Line::styled(linden::knob::printable(&text), style);
-    Paragraph::new(vec![rule, text]).wrap(Wrap { trim: true }).render(area, buffer);
+fn explain(model: &Model, (text, style): (String, Style), area: Rect, buffer: &mut Buffer) {
+    let width = usize::from(area.width);
+    buffer.set_string(area.x, area.y, "─".repeat(width), model.config.theme.popup_border);
+    let rows = wrapped_within(&text, width, usize::from(area.height).saturating_sub(1));
+    for (row, y) in rows.iter().zip(area.y + 1..area.bottom()) {
+        buffer.set_stringn(area.x, y, row, width, style);
+    }
 }
 
-/// The names of files.
-fn listed(files: &[PathBuf]) -> String {
-    files.iter().map(|path| crate::paths::show(path)).collect::<Vec<_>>().join(", ")
+/// The names of files, which lie in one directory.
+fn names(files: &[PathBuf]) -> String {
+    let name = |path: &PathBuf| crate::paths::show(Path::new(path.file_name().unwrap_or_default()));
+    files.iter().map(name).collect::<Vec<_>>().join(", ")
+}
+
+/// The directory of the files of a format, from the root on, where that was found out.
+fn directory(dialog: &ExportDialog, choice: &FormatChoice, target: &str) -> Option<String> {
+    let place = dialog.place_at(choice, target)?;
+    Some(crate::paths::show(place.parent().unwrap_or(place)))
+}
+
+/// Some of the chosen formats by their directories, what is to be told of each behind: `in /a: fir.glb, fir.obj`.
+fn by_directory(dialog: &ExportDialog, told: impl Fn(&FormatChoice) -> Option<String>) -> String {
+    let mut directories: Vec<(String, Vec<String>)> = Vec::new();
+    for choice in dialog.chosen() {
+        let Some(told) = told(choice) else { continue };
+        let at = directory(dialog, choice, &choice.target).unwrap_or_default();
+        match directories.iter_mut().find(|(other, _)| *other == at) {
+            Some((_, all)) => all.push(told),
+            None => directories.push((at, vec![told])),
+        }
+    }
+    let line = |(at, told): &(String, Vec<String>)| format!("in {at}: {}", told.join(", "));
+    directories.iter().map(line).collect::<Vec<_>>().join("; ")
 }
 
 /// What is said below the list, of the line that is typed or of what the cursor is on.
@@ -527,9 +569,10 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
         ExportSpot::Target(i) => {
             let choice = &dialog.formats[i];
             said_of_target(dialog, choice, typed.unwrap_or(&choice.target), theme).unwrap_or_else(|| {
-                let words =
-                    "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
-                (words.to_owned(), theme.popup_dim)
+                let at = directory(dialog, choice, typed.unwrap_or(&choice.target));
+                let at = at.map(|at| format!("goes to {at}; ")).unwrap_or_default();
+                let words = "files that belong to it lie beside it. Tab completes, ~/ is home";
+                (format!("{at}{words}"), theme.popup_dim)
             })
         }
         ExportSpot::Knob(row) => match dialog.knobs.as_ref().and_then(|knobs| knobs.row(row)) {
@@ -561,7 +604,11 @@ fn said_of_line(line: &Typing, theme: &Theme) -> Option<(String, Style)> {
         offer[name.rfind('/').map_or(0, |at| at + 1)..].to_owned()
     };
     let names: Vec<String> = line.offers.iter().map(name).collect();
-    (!names.is_empty()).then(|| (names.join("  "), theme.popup))
+    (!names.is_empty()).then(|| (names.join(", "), theme.popup))
+}
+
+fn no_directory(at: &str) -> String {
+    format!("there is no directory {at}, and it would be made")
 }
 
 /// What is to be known of a place that files of a format are to go to.
@@ -571,17 +618,13 @@ fn said_of_target(
     target: &str,
     theme: &Theme,
 ) -> Option<(String, Style)> {
+    let at = directory(dialog, choice, target).unwrap_or_default();
     match dialog.finding_at(choice, target)? {
         TargetFinding::Unfit(why) => Some((why.clone(), theme.error)),
-        TargetFinding::NewFolder => {
-            Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
+        TargetFinding::NewFolder => Some((no_directory(&at), theme.warning)),
+        TargetFinding::Replaces(files) => {
+            Some((format!("would be replaced in {at}: {}", names(files)), theme.warning))
         }
-        TargetFinding::Replaces(files) => match files.as_slice() {
-            [file] if file.as_path() == expand(target.trim(), std::env::home_dir().as_deref()) => {
-                Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
-            }
-            files => Some((format!("would be replaced: {}", listed(files)), theme.warning)),
-        },
         TargetFinding::Free => None,
     }
 }
@@ -589,18 +632,33 @@ fn said_of_target(
 /// What the button asks, or says of what it would do.
 fn said_of_start(dialog: &ExportDialog, theme: &Theme) -> (String, Style) {
     if dialog.start == StartState::Asking {
-        let files = dialog.replaced();
-        let folders = "a directory does not exist yet, and would be made";
-        let text = match (files.is_empty(), dialog.makes_folders()) {
-            (true, _) => folders.to_owned(),
-            (false, false) => format!("there already: {}", listed(&files)),
-            (false, true) => format!("there already: {}; {folders}", listed(&files)),
-        };
-        return (text, theme.warning);
+        let there = by_directory(dialog, |choice| match dialog.finding(choice)? {
+            TargetFinding::Replaces(files) => Some(names(files)),
+            _ => None,
+        });
+        let missing =
+            dialog.chosen().filter(|choice| dialog.finding(choice) == Some(&TargetFinding::NewFolder));
+        let missing: BTreeSet<String> =
+            missing.filter_map(|choice| directory(dialog, choice, &choice.target)).collect();
+        let mut told = Vec::new();
+        if !there.is_empty() {
+            told.push(format!("there already {there}"));
+        }
+        told.extend(missing.iter().map(|at| no_directory(at)));
+        return (told.join("; "), theme.warning);
     }
     match dialog.unfit() {
         Some((_, why)) => (why, theme.error),
-        None => ("all files appear together when all are written, or none does".to_owned(), theme.popup_dim),
+        None => {
+            let name = |choice: &FormatChoice| {
+                let place = dialog.place_at(choice, &choice.target)?;
+                Some(names(&[place.to_owned()]))
+            };
+            let targets = by_directory(dialog, name);
+            let how = "all files appear together when all are written, or none does";
+            let text = if targets.is_empty() { how.to_owned() } else { format!("{targets}; {how}") };
+            (text, theme.popup_dim)
+        }
     }
 }
 

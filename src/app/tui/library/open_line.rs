@@ -1,6 +1,6 @@
 //! The path of a file, typed: what is in the directory is listed above, and what the list's cursor is on is shown.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crossterm::event::{KeyCode, KeyEvent};
 use ratatui::buffer::Buffer;
@@ -9,7 +9,7 @@ use ratatui::widgets::{Clear, Widget as _};
 
 use super::show_selected;
 use crate::jobs::{Findings, Inquiry};
-use crate::paths::expand;
+use crate::paths::{self, expand};
 use crate::system::QUOTES_DROPPED;
 use crate::tui::chrome::prompt::{self, Prompt};
 use crate::tui::command::Context;
@@ -101,7 +101,8 @@ impl OpenLine {
 
     /// Puts a file on screen.
     fn show(&mut self, model: &mut Model, path: &str, effects: &mut Effects) {
-        let place = TreePlace::File(path_of(path));
+        let Ok(path) = expand(path) else { return };
+        let place = TreePlace::File(path);
         let is_listed = model.library.places().any(|(_, listed)| *listed == place);
         if !is_listed && !self.seen.contains(&place) {
             self.seen.push(place.clone());
@@ -136,10 +137,13 @@ impl Dialog<Model> for OpenLine {
 
     fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
         let theme = &model.config.theme;
-        let remark = self.offers.is_empty().then(|| prompt::Remark {
-            text: "a preset, a grammar, a mesh, a scan, or an export; a path of a file".to_owned(),
-            warns: false,
-        });
+        let remark = match &self.prompt.problem {
+            Some(problem) => Some(prompt::Remark { text: problem.clone(), warns: true }),
+            None => self.offers.is_empty().then(|| prompt::Remark {
+                text: "a preset, a grammar, a mesh, a scan, or an export; a path of a file".to_owned(),
+                warns: false,
+            }),
+        };
         self.prompt.paint_at_bottom(model, "open", remark.as_ref(), screen, buffer, view);
         let rows = (self.offers.len() as u16).min(MOST_ROWS).min(screen.height.saturating_sub(2));
         let longest = self.offers.iter().map(|offer| name_of(offer).chars().count()).max().unwrap_or(0);
@@ -165,7 +169,7 @@ impl Dialog<Model> for OpenLine {
             KeyCode::Tab => self.complete(),
             _ => {
                 if self.prompt.key(key) {
-                    self.at = None;
+                    (self.at, self.prompt.problem) = (None, None);
                 }
             }
         }
@@ -174,7 +178,7 @@ impl Dialog<Model> for OpenLine {
 
     fn paste(&mut self, _model: &mut Model, text: &str, _effects: &mut Effects) -> After {
         self.prompt.paste(&dropped(text));
-        self.at = None;
+        (self.at, self.prompt.problem) = (None, None);
         After::Stays
     }
 
@@ -189,7 +193,14 @@ impl Dialog<Model> for OpenLine {
             self.at = None;
             return After::Stays;
         }
-        let place = TreePlace::File(path_of(&path));
+        let path = match expand(&path) {
+            Ok(path) => path,
+            Err(why) => {
+                self.prompt.problem = Some(why);
+                return After::Stays;
+            }
+        };
+        let place = TreePlace::File(path);
         self.tidy(model, Some(&place));
         load(model, place, effects);
         After::Closes
@@ -211,9 +222,12 @@ impl Dialog<Model> for OpenLine {
     }
 }
 
-/// Reads a file and shows it.
+/// Reads a file and shows it, or says why its path is none.
 pub fn open_path(model: &mut Model, path: &str, effects: &mut Effects) {
-    load(model, TreePlace::File(path_of(path)), effects);
+    match expand(path) {
+        Ok(path) => load(model, TreePlace::File(path), effects),
+        Err(why) => model.say_warning(why),
+    }
 }
 
 /// The path in what a terminal pastes when a file is dropped on it, `None` where that is no path: quoted or with
@@ -225,6 +239,12 @@ pub fn dropped_path(text: &str) -> Option<String> {
 }
 
 fn dropped(text: &str) -> String {
+    let path = unquoted(text);
+    // Terminals drop whole paths, in which a dollar is one.
+    if Path::new(&path).is_absolute() { paths::typed(&path) } else { path }
+}
+
+fn unquoted(text: &str) -> String {
     let text = text.trim();
     if let Some(rest) = text.strip_prefix("file://") {
         // Behind the host, which is empty or this machine.
@@ -262,10 +282,6 @@ fn load(model: &mut Model, place: TreePlace, effects: &mut Effects) {
     }
     model.loading = Some(place.clone());
     effects.push(Effect::Load(place));
-}
-
-fn path_of(typed: &str) -> PathBuf {
-    expand(typed, std::env::home_dir().as_deref())
 }
 
 fn is_folder(path: &str) -> bool {
@@ -347,6 +363,7 @@ mod tests {
             ("/a/b c.toml", None),
             ("'/a/b c.toml' ", Some("/a/b c.toml")),
             ("/a/b\\ c.toml", Some("/a/b c.toml")),
+            ("'/a/$b.toml'", Some("/a/$$b.toml")),
             ("file:///a/b%20c.toml\n", Some("/a/b c.toml")),
             ("file://host/a.toml", Some("/a.toml")),
             ("season 0.8", None),

@@ -14,7 +14,7 @@ use linden_exporters::{Bundle, ExportError, commit_all};
 
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
-use crate::paths::{expand, show};
+use crate::paths::{self, expand, show};
 use crate::reading;
 use crate::trust;
 use crate::tui::merge::merged;
@@ -35,13 +35,13 @@ pub fn proposed(model: &Model, id: &str, from: &TreePlace) -> String {
         && let Some(before) = presets::before_put_away(path)
     {
         let id = before.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default().to_owned();
-        return if file_of(model, &id).as_ref() == Some(&before) { id } else { show(&before) };
+        return if file_of(model, &id).as_ref() == Some(&before) { id } else { typed(&before) };
     }
     // A document that was opened elsewhere is saved where it is.
     if let TreePlace::File(path) = from
-        && file_of(model, &show(path)).as_ref() == Some(path)
+        && file_of(model, &typed(path)).as_ref() == Some(path)
     {
-        return show(path);
+        return typed(path);
     }
     // What was numbered already goes on counting: fir-2, fir-3.
     let stem = match id.rsplit_once('-') {
@@ -75,7 +75,7 @@ impl Destination {
             check(typed, "a preset's id")?;
             return Ok(Self { dir: None, id: typed.to_owned() });
         }
-        let path = expand(typed, std::env::home_dir().as_deref());
+        let path = expand(typed)?;
         let name = path.file_name().filter(|_| !typed.ends_with(std::path::is_separator));
         let name = name.ok_or("the name of the file is missing")?;
         let stem = path.file_stem().filter(|_| is_document(&path)).unwrap_or(name);
@@ -87,7 +87,12 @@ impl Destination {
 
 /// Whether what was typed is a path, and no id.
 fn is_path(typed: &str) -> bool {
-    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start)) || is_document(Path::new(typed))
+    paths::begins_path(typed) || is_document(Path::new(typed))
+}
+
+/// What is typed for a path.
+fn typed(path: &Path) -> String {
+    paths::typed(&show(path))
 }
 
 /// The file that something is saved in under what was typed.

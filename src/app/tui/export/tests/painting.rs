@@ -38,7 +38,12 @@ fn the_dialog_at_three_sizes_in_three_themes() {
             assert_ne!(looks(true), looks(false), "{columns}×{rows:?}");
         }
         bench.keys("x");
-        assert!(bench.text(80, 24).contains("Replace the file?"));
+        for (columns, rows) in [(80, 24), (160, 50), (40, 12)] {
+            let text = bench.text(columns, rows);
+            assert!(text.contains("Replace the file?") && text.contains("n no"), "{text}");
+            // Which file, and in which directory.
+            assert!(text.contains("there already in DIR: older-c.glb") || rows == 12, "{text}");
+        }
     }
 }
 

@@ -119,7 +119,7 @@ fn names_are_completed_and_offered() {
     let line = |bench: &ExportBench| bench.dialog().line.as_ref().unwrap().input.value().to_owned();
     assert_eq!(line(&bench), bench.at("for"));
     assert_eq!(bench.dialog().line.as_ref().unwrap().offers, [bench.at("forest/"), bench.at("fork.glb")]);
-    assert!(bench.text(100, 30).contains("forest/  fork.glb"), "{}", bench.text(100, 30));
+    assert!(bench.text(100, 30).contains("forest/, fork.glb"), "{}", bench.text(100, 30));
     bench.type_text("e");
     assert!(bench.dialog().line.as_ref().unwrap().offers.is_empty());
     bench.keys("tab");
