@@ -6,6 +6,8 @@ use unicode_width::UnicodeWidthStr;
 
 /// Cells of a path that say which it is.
 const LEAST_PATH: usize = 24;
+/// Cells that it loses at a time, at least.
+const LEAST_CUT: usize = 4;
 
 /// Breaks a text at its spaces into lines of at most `width` cells; words that are longer are broken
 /// where they must be. Printable whatever it is given. Never empty: no text is one empty line.
@@ -20,9 +22,22 @@ pub fn wrapped(text: &str, width: usize) -> Vec<String> {
     textwrap::wrap(&words.join(" "), options).into_iter().map(Cow::into_owned).collect()
 }
 
-/// The same in at most `most` lines; the last one ends with an ellipsis when more would follow.
+/// The same in at most `most` lines: long paths lose their middles where it takes that, and the last line ends with an
+/// ellipsis when more would follow.
 pub fn wrapped_within(text: &str, width: usize, most: usize) -> Vec<String> {
     let mut lines = wrapped(text, width);
+    if lines.len() > most {
+        let mut shorter = linden::knob::printable(text);
+        while let Some(path) = longest_path(&shorter)
+            && lines.len() > most
+        {
+            // What breaking at spaces takes is not known beforehand.
+            let over = shorter.width().saturating_sub(width * most).max(LEAST_CUT);
+            let room = path.width().saturating_sub(over).max(LEAST_PATH);
+            shorter = shorter.replacen(path, &without_middle(path, room), 1);
+            lines = wrapped(&shorter, width);
+        }
+    }
     if lines.len() > most {
         lines.truncate(most);
         if let Some(last) = lines.last_mut() {
@@ -38,16 +53,22 @@ pub fn wrapped_within(text: &str, width: usize, most: usize) -> Vec<String> {
 pub fn clipped_in_paths(text: &str, width: usize) -> String {
     let text = linden::knob::printable(text);
     let over = text.width().saturating_sub(width);
-    let longest = text.split(' ').filter(|word| word.contains('/')).max_by_key(|word| word.width());
-    let Some(path) = longest.filter(|path| over > 0 && path.width() > LEAST_PATH) else {
-        return clipped(&text, width);
-    };
+    let Some(path) = longest_path(&text).filter(|_| over > 0) else { return clipped(&text, width) };
     let room = path.width().saturating_sub(over).max(LEAST_PATH);
     clipped(&text.replacen(path, &without_middle(path, room), 1), width)
 }
 
+/// The longest path in a text that can be shortened.
+fn longest_path(text: &str) -> Option<&str> {
+    let longest = text.split(' ').filter(|word| word.contains('/')).max_by_key(|word| word.width());
+    longest.filter(|path| path.width() > LEAST_PATH)
+}
+
 /// A text in at most `width` cells, an ellipsis in its middle where something is left out.
-fn without_middle(text: &str, width: usize) -> String {
+pub fn without_middle(text: &str, width: usize) -> String {
+    if text.width() <= width {
+        return text.to_owned();
+    }
     let tail_room = width.saturating_sub(1).div_ceil(2);
     let mut tail = text;
     while tail.width() > tail_room {
@@ -107,6 +128,22 @@ mod tests {
         assert_eq!(wrapped_within("one two three", 5, 2), ["one", "two…"]);
         assert_eq!(wrapped_within("one two", 7, 1), ["one two"]);
         assert_eq!(wrapped_within("one, two", 4, 1), ["one…"]);
+    }
+
+    #[test]
+    fn paths_lose_their_middles_before_a_text_loses_its_end() {
+        let (from, to) = ("very/long/".repeat(9), "other/folders/".repeat(6));
+        let text = format!("moving /home/me/{from}oak.toml to /srv/{to}oak.toml: there is no space left");
+        for (width, most) in [(60, 2), (40, 3), (78, 2)] {
+            let lines = wrapped_within(&text, width, most);
+            let shown = lines.join(" ");
+            assert!(lines.len() <= most && lines.iter().all(|line| line.width() <= width), "{lines:?}");
+            assert!(shown.ends_with("oak.toml: there is no space left"), "{lines:?}");
+            assert!(shown.starts_with("moving /home/me/") && shown.matches('…').count() == 2, "{lines:?}");
+        }
+        assert!(wrapped_within(&text, 20, 1)[0].ends_with('…'), "there is room for none of it");
+        assert_eq!(without_middle("replace 'abcdefghijkl'? y or n", 20), "replace '…l'? y or n");
+        assert_eq!(without_middle("short", 9), "short");
     }
 
     #[test]

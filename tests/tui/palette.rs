@@ -25,7 +25,7 @@ fn a_theme_is_set_by_name_and_stays_until_the_end() {
     let light = lightness(&workbench);
     assert!(light + 20 < dark, "letters on light paper are dark: {light}, they were {dark}");
     workbench.keys(":theme lihgt\r");
-    workbench.wait_for("why not", |screen| screen.footer().contains("there is no such theme"));
+    workbench.wait_for_text("there is no such theme");
     assert_eq!(std::fs::read_to_string(config).unwrap(), CONFIG, "nothing is written");
 }
 

@@ -123,6 +123,42 @@ fn what_is_opened_meanwhile_lies_above() {
 }
 
 #[test]
+fn dialogs_over_a_network_have_the_height_of_the_terminal_and_lines_that_are_read() {
+    let says = [("COLORTERM", "truecolor"), ("SSH_CONNECTION", "10.0.0.1 1 10.0.0.2 22")];
+    for (columns, rows) in [(80, 24), (120, 40), (200, 60), (40, 12)] {
+        let mut bench = Bench::on(columns, rows, &says, "auto").without_pictures().with_tree();
+        for focus in ["", "tab", "tab tab"] {
+            bench.keys(focus);
+            let body = bench.model.popup_body();
+            assert!(body.width >= 62.min(columns) && body.height >= rows - 3, "{columns}×{rows}: {body}");
+            let picture = super::picture::area(&bench.model).unwrap_or_default();
+            let hidden = picture.intersection(body).area();
+            assert!(columns < 100 || hidden * 2 < picture.area(), "{columns}×{rows}: most of it stays");
+            for key in ["e", ":", "?"] {
+                bench.keys(key);
+                let spots = bench.screen().lines().filter(|line| line.contains('│')).count();
+                assert!(spots + 6 >= usize::from(rows), "{columns}×{rows} {key}: {}", bench.screen());
+                bench.keys("esc");
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_said_above_a_line_takes_pixels_off_what_it_lies_over() {
+    let mut bench = Bench::grown(80, 24).without_pictures();
+    let picture = super::picture::area(&bench.model).unwrap();
+    let hides = |bench: &Bench| bench.paint().1.covers.iter().any(|cover| cover.intersects(picture));
+    bench.keys("s");
+    assert!(!hides(&bench), "one row lies over the scale");
+    bench.keys("ctrl-u").types(&format!("/{}x.toml", "some/folder/".repeat(9)));
+    assert!(hides(&bench), "{}", bench.screen());
+    let screen = bench.screen();
+    let words = screen.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("goes to /some/folder") && screen.contains("folder/x.toml\n"), "{screen}");
+}
+
+#[test]
 fn help_opens_in_every_mode_at_its_section_and_goes_back_to_it() {
     for (tree, open) in [
         ("abop-stochastic", "v"),

@@ -95,6 +95,8 @@ pub struct View {
     pub cursor: Option<(u16, u16)>,
     /// What lies where; the topmost last.
     pub regions: Vec<(Rect, Target)>,
+    /// What lies over panes without hiding all of them: where it is on a picture of pixels, that cannot be shown.
+    pub covers: Vec<Rect>,
     /// Which cells come before the others, as the answer to a key, and which may come later: pictures.
     pub order: Order,
 }

@@ -56,6 +56,8 @@ mod hint_tests;
 #[cfg(test)]
 mod keys_tests;
 #[cfg(test)]
+mod message_tests;
+#[cfg(test)]
 mod pace_tests;
 #[cfg(test)]
 mod random_tests;

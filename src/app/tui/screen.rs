@@ -22,6 +22,9 @@ use crate::wrap::clipped;
 /// What is said where the picture is of a tree before the last change, which did not grow.
 pub const NOT_GROWN: &str = "✗ did not grow";
 
+/// Rows above the footer from which a message may take one of them.
+const LEAST_ABOVE: u16 = 8;
+
 /// Paints everything.
 pub fn view(model: &Model, buffer: &mut Buffer) -> View {
     let mut view = View::default();
@@ -44,11 +47,14 @@ pub fn view(model: &Model, buffer: &mut Buffer) -> View {
     let status = Line::from(export::status(model, layout.footer.width / 2));
     if model.dialogs.last().is_some_and(Dialog::is_prompt) {
         // A line that no pane shows is typed over the footer.
-        footer::view(model, status, layout.footer, buffer, &mut view);
+        footer::view(model, status, [Rect::default(), layout.footer], buffer, &mut view);
         dialogs(model, screen, body, buffer, &mut view);
     } else {
         dialogs(model, screen, body, buffer, &mut view);
-        footer::view(model, status, layout.footer, buffer, &mut view);
+        // A message may take the row above: that of a picture's scale.
+        let height = u16::from(layout.footer.y >= LEAST_ABOVE);
+        let above = Rect { y: layout.footer.y - height, height, ..layout.footer };
+        footer::view(model, status, [above, layout.footer], buffer, &mut view);
     }
     view
 }

@@ -87,10 +87,12 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
     match msg {
         Msg::Input(event) => {
             model.last_input = now;
-            let (open, said) = (model.dialogs.len(), model.message.clone());
+            let (open, said, acts) = (model.dialogs.len(), model.message.clone(), is_act(&event));
             input(model, event, &mut effects);
-            // What was said before does not lie over the keys of what is open now; it is on the page of messages.
-            if model.dialogs.len() > open && model.message == said {
+            // What was said before does not lie over the keys of what is open now, and has nothing to do with what was
+            // done since; it is on the page of messages.
+            let is_read = acts && said.as_ref().is_some_and(|said| said.read_by <= now);
+            if model.message == said && (is_read || model.dialogs.len() > open) {
                 model.message = None;
             }
         }
@@ -167,6 +169,17 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         After::Stays
     });
     effects
+}
+
+/// Whether something is done by it: a key, a click, the wheel, pasted text.
+fn is_act(event: &Event) -> bool {
+    match event {
+        Event::Key(_) | Event::Paste(_) => true,
+        Event::Mouse(mouse) => {
+            !matches!(mouse.kind, MouseEventKind::Up(_) | MouseEventKind::Drag(_) | MouseEventKind::Moved)
+        }
+        Event::FocusGained | Event::FocusLost | Event::Resize(..) => false,
+    }
 }
 
 fn input(model: &mut Model, event: Event, effects: &mut Effects) {

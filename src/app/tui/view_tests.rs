@@ -181,10 +181,13 @@ fn the_last_row_of_a_page_can_be_reached_at_every_size() {
         assert!(bench.screen().replace('\n', " ").contains("words"), "{columns}×{rows}:\n{}", bench.screen());
         let end = bench.screen();
         bench.keys("j pagedown");
+        bench.model.message = None;
         assert_eq!(bench.screen(), end, "there is nothing below");
         bench.keys("g k pageup");
+        bench.model.message = None;
         let top = bench.screen();
         bench.keys("k");
+        bench.model.message = None;
         assert_eq!(bench.screen(), top, "there is nothing above");
     }
 }

@@ -20,6 +20,12 @@ fn scroll(model: &mut Model, by: isize) {
     }
 }
 
+/// Why a page does not scroll.
+fn is_in_sight(model: &Model) -> Option<String> {
+    let page = model.dialogs.top::<Page>()?;
+    (page.lay(model.popup_body()).most_scroll() == 0).then(|| "all of the page is in sight".to_owned())
+}
+
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
     let page = model.dialogs.top::<Page>();
@@ -211,7 +217,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Down",
         help: "Scrolls down",
         hint: Some(10),
-        hindrance: free,
+        hindrance: is_in_sight,
         run: |model, _| scroll(model, 1),
     },
     Command {
@@ -221,7 +227,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Up",
         help: "Scrolls up",
         hint: Some(11),
-        hindrance: free,
+        hindrance: is_in_sight,
         run: |model, _| scroll(model, -1),
     },
     Command {

@@ -3,21 +3,23 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::Line;
+use ratatui::widgets::{Clear, Widget as _};
 use unicode_width::UnicodeWidthStr;
 
 use super::page;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::{Command, HELP, Message, Model, Weight};
-use crate::wrap::clipped_in_paths;
+use crate::wrap::{clipped_in_paths, wrapped, wrapped_within};
 
 /// Hints from this place on have their room before all others: the ways to other panes, to help and out.
 const RESERVED: u8 = 89;
 /// Between two hints.
 const GAP: u16 = 2;
 
-/// Paints the row, with the state of what is under way at its right end.
-pub fn view(model: &Model, status: Line<'_>, area: Rect, buffer: &mut Buffer, view: &mut View) {
+/// Paints the row, with the state of what is under way at its right end. A message that is longer takes the one above
+/// as well, where there is one.
+pub fn view(model: &Model, status: Line<'_>, [above, area]: [Rect; 2], buffer: &mut Buffer, view: &mut View) {
     if area.is_empty() {
         return;
     }
@@ -25,18 +27,18 @@ pub fn view(model: &Model, status: Line<'_>, area: Rect, buffer: &mut Buffer, vi
     let is_cut = |message: &Message| message.text.width() + status.width() + 2 > area.width.into();
     let is_hidden = model.message.as_ref().is_some_and(is_cut);
     let width = if is_hidden { 0 } else { (status.width() as u16).min(area.width / 2) };
-    ratatui::widgets::Widget::render(status, Rect { x: area.right() - width, width, ..area }, buffer);
+    status.render(Rect { x: area.right() - width, width, ..area }, buffer);
     let area = Rect { width: area.width - width, ..area };
     if model.message.is_some() {
-        message(model, area, buffer, view);
+        message(model, above, area, buffer, view);
     } else {
         let hints = hints(model);
         paint(model, &fitting(&hints, area.width.saturating_sub(1)), area, buffer, view);
     }
 }
 
-/// What was said last; when it is longer than the row, the key that shows all of it.
-fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
+/// What was said last; when it is longer than its rows, the key that shows all of it.
+fn message(model: &Model, above: Rect, area: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let Some(message) = &model.message else { return };
     let style = match message.weight {
@@ -45,8 +47,21 @@ fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
         Weight::Error => theme.error,
     };
     let mut room = area.width.saturating_sub(1);
-    let whole = message.text.width() <= usize::from(room);
-    if !whole && let Some(more) = hint(model, "messages") {
+    let rows = wrapped(&message.text, room.into()).len();
+    let takes_two = rows > 1 && !above.is_empty();
+    let mut places = vec![area];
+    if takes_two {
+        places.insert(0, above);
+        for place in &places {
+            Clear.render(*place, buffer);
+            buffer.set_style(*place, theme.popup);
+        }
+        view.covers.push(above);
+        view.regions.push((above, Target::Dialog(None)));
+    }
+    if rows > places.len()
+        && let Some(more) = hint(model, "messages")
+    {
         let width = more.width();
         if room > 3 * width {
             room -= width + GAP;
@@ -54,7 +69,15 @@ fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
             paint(model, &[more], place, buffer, view);
         }
     }
-    buffer.set_stringn(area.x + 1, area.y, clipped_in_paths(&message.text, room.into()), room.into(), style);
+    let rows = if takes_two {
+        wrapped_within(&message.text, room.into(), places.len())
+    } else {
+        vec![clipped_in_paths(&message.text, room.into())]
+    };
+    let style = if takes_two { theme.popup.patch(style) } else { style };
+    for (row, place) in rows.iter().zip(places) {
+        buffer.set_stringn(place.x + 1, place.y, row, room.into(), style);
+    }
 }
 
 /// What whoever opens the workbench for the first time is told.
@@ -113,8 +136,7 @@ fn hint(model: &Model, id: &str) -> Option<Hint> {
     Some(Hint { command, key: key_label(model, &key.to_string()), label })
 }
 
-/// Those that have room, whole, in their order: the reserved ones first, then as many of the others
-/// as fit before them.
+/// Those that have room, whole, in their order: the reserved ones first, then of the others what fits before them.
 fn fitting(hints: &[Hint], width: u16) -> Vec<&Hint> {
     let is_reserved = |hint: &Hint| hint.command.hint.is_some_and(|place| place >= RESERVED);
     let mut left = width;
@@ -133,10 +155,9 @@ fn fitting(hints: &[Hint], width: u16) -> Vec<&Hint> {
         }
     }
     for (i, hint) in hints.iter().enumerate().filter(|(_, hint)| !is_reserved(hint)) {
-        if !takes(hint) {
-            break;
+        if takes(hint) {
+            kept.push(i);
         }
-        kept.push(i);
     }
     kept.sort_unstable();
     kept.into_iter().map(|i| &hints[i]).collect()

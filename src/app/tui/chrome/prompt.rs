@@ -13,13 +13,16 @@ use crate::system::CTRL_ALT_TYPES;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
-use crate::wrap::{clipped, wrapped_within};
+use crate::wrap::{without_middle, wrapped_within};
 
 /// Where the keys of typed lines are listened to, and of the palette.
 pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line").typed();
 
-/// The most rows of what is said above a line: answers to a question are read whole.
-const REMARK_ROWS: u16 = 2;
+/// The most rows of what is said above a line, where there are few and where there are many: answers to a question are
+/// read whole.
+const REMARK_ROWS: [u16; 2] = [2, 3];
+/// The share of the screen that they have in between.
+const REMARK_SHARE: u16 = 8;
 
 /// A line that is typed.
 pub struct Prompt {
@@ -105,7 +108,8 @@ impl Prompt {
         }
         let theme = &model.config.theme;
         let row = Rect { y: screen.bottom() - 1, height: 1, ..screen };
-        let label = clipped(&format!(" {label}: "), usize::from(screen.width).saturating_sub(4));
+        // What is asked stands in front, what answers it behind.
+        let label = without_middle(&format!(" {label}: "), usize::from(screen.width).saturating_sub(4));
         // Its hints, which it covers, are not meant by the mouse.
         view.regions.push((row, Target::Dialog(None)));
         Clear.render(row, buffer);
@@ -116,11 +120,13 @@ impl Prompt {
         if let Some(remark) = remark
             && screen.height >= 2
         {
-            let most = usize::from((screen.height - 1).min(REMARK_ROWS));
+            let most = (screen.height / REMARK_SHARE).clamp(REMARK_ROWS[0], REMARK_ROWS[1]);
+            let most = usize::from((screen.height - 1).min(most));
             let rows = wrapped_within(&remark.text, usize::from(row.width).saturating_sub(1), most);
             let height = rows.len() as u16;
             let above = Rect { y: row.y - height, height, ..row };
             let style = theme.popup.patch(if remark.warns { theme.warning } else { theme.dim });
+            view.covers.push(above);
             Clear.render(above, buffer);
             buffer.set_style(above, style);
             for (text, y) in rows.iter().zip(above.y..) {

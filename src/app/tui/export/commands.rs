@@ -102,7 +102,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["e"],
         title: "Export",
         help: "Writes what is on screen for 3D programs",
-        hint: Some(40),
+        hint: Some(31),
         hindrance: has_nothing,
         run: |model, _| open(model),
     },

@@ -104,7 +104,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["enter", "l", "right"],
         title: "To its picture",
         help: "Moves on to the picture of the selected preset; unfolds a folded group",
-        hint: Some(20),
+        hint: Some(31),
         hindrance: free,
         run: choose,
     },

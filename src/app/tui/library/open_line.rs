@@ -20,8 +20,6 @@ use crate::tui::model::Model;
 use crate::tui::tree::TreePlace;
 use crate::wrap::clipped;
 
-/// Rows of the list of files, at most.
-const MOST_ROWS: u16 = 12;
 /// Endings of files that trees grow from, which alone are listed beside directories.
 const ENDINGS: [&str; 19] = [
     "toml", "json", "l", "txt", "obj", "ply", "glb", "gltf", "usda", "usdz", "xyz", "csv", "las", "laz",
@@ -145,12 +143,15 @@ impl Dialog<Model> for OpenLine {
             }),
         };
         self.prompt.paint_at_bottom(model, "open", remark.as_ref(), screen, buffer, view);
-        let rows = (self.offers.len() as u16).min(MOST_ROWS).min(screen.height.saturating_sub(2));
+        // Below the title and the panes' names, where those have room.
+        let most = screen.height.saturating_sub(if screen.height >= 8 { 3 } else { 2 });
+        let rows = u16::try_from(self.offers.len()).unwrap_or(u16::MAX).min(most);
         let longest = self.offers.iter().map(|offer| name_of(offer).chars().count()).max().unwrap_or(0);
         // All of the pane that it lies on, no half of whose rows is left.
         let pane = model.layout().pane(Pane::Presets).map_or(0, |pane| pane.width);
         let width = (longest as u16 + 3).clamp(16, 48).max(pane).min(screen.width);
         let list = Rect::new(screen.x, screen.bottom().saturating_sub(1 + rows), width, rows);
+        view.covers.push(list);
         Clear.render(list, buffer);
         let first = first_row(self.at.unwrap_or(0), self.offers.len(), rows.into());
         for (y, (i, offer)) in (list.y..list.bottom()).zip(self.offers.iter().enumerate().skip(first)) {

@@ -27,6 +27,7 @@ pub use filter::{has_tags, split_tags};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
 pub use library::{FORESTS, Library, Removed};
+use message::reading_time;
 pub use message::{Message, Weight};
 pub use picture::PictureState;
 pub use wind::Breeze;
@@ -44,16 +45,13 @@ use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 use crate::jobs::Measured;
 
-/// Rows of a dialog of text beside a picture of characters over a network. Each costs some 50 bytes when it goes, beside
-/// half a kilobyte for the footer: with so many little more than a kilobyte.
-const MOST_POPUP_ROWS: u16 = 14;
-/// Columns and rows that a dialog of text has room in.
-const LEAST_POPUP: (u16, u16) = (24, 8);
+/// Columns that a dialog of text has where it leaves a picture of characters in sight: lines of help are whole in them.
+const BESIDE_PICTURE: u16 = 62;
 
 /// The command that is within reach in dialogs too.
 pub const HELP: &str = "help";
 
-/// A message of no weight leaves the footer after this.
+/// A message of no weight leaves the footer after this, when nothing is done before.
 const MESSAGE_STAYS: Duration = Duration::from_secs(4);
 /// How long nothing must happen before pictures are drawn in full.
 pub const QUIET: Duration = Duration::from_millis(140);
@@ -185,17 +183,24 @@ impl Model {
     }
 
     /// Where dialogs of text lie. A picture of characters costs a slow line kilobytes when a dialog that covered it
-    /// goes: there they lie over the list or the form, whichever is wider, and the picture stays.
+    /// goes: there they lie over the list or the form, whichever is wider, and over as little of the picture as their
+    /// text allows.
     pub fn popup_body(&self) -> Rect {
         let body = self.dialog_body();
         if !self.terminal.remote.value || self.terminal.graphics.value != Graphics::Cells {
             return body;
         }
         let layout = self.layout();
+        // In one column there is nothing beside the picture.
+        if layout.headings[Pane::Picture as usize].is_empty() {
+            return body;
+        }
         let beside = [Pane::Shape, Pane::Presets].into_iter().map(|pane| layout.panes[pane as usize]);
-        let has_room = |area: &Rect| area.width >= LEAST_POPUP.0 && area.height >= LEAST_POPUP.1;
-        let widest = beside.filter(has_room).max_by_key(|area| area.width);
-        widest.map_or(body, |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
+        let Some(side) = beside.max_by_key(|area| area.width) else { return body };
+        let width = side.width.max(BESIDE_PICTURE).min(body.width);
+        // To the edge of the screen that the pane is at.
+        let x = if side.right() == body.right() { body.right() - width } else { side.x };
+        Rect { x, width, ..side }
     }
 
     /// Where keys are listened to: the topmost dialog, or the focused pane.
@@ -281,6 +286,13 @@ impl Model {
         self.push(Weight::Error, &text.into());
     }
 
+    /// Something failed, and is on screen elsewhere: for the page of messages alone.
+    pub fn keep_error(&mut self, text: &str) {
+        let said = self.message.take();
+        self.push(Weight::Error, text);
+        self.message = said;
+    }
+
     /// What was wrong with what the user configured. The last one is on screen, all are on the page
     /// of messages.
     pub fn say_complaints(&mut self) {
@@ -292,7 +304,11 @@ impl Model {
     fn push(&mut self, weight: Weight, text: &str) {
         let text = linden::knob::printable(text);
         let stays = if weight == Weight::Note { MESSAGE_STAYS } else { 2 * MESSAGE_STAYS };
-        let message = Message { weight, text, until: self.now + stays };
+        let reading = reading_time(&text);
+        // Who has pressed a key sees at once what it did; of what went wrong, and of news, nobody knew.
+        let is_answer = weight == Weight::Note && self.last_input == self.now;
+        let read_by = if is_answer { self.now } else { self.now + reading };
+        let message = Message { weight, text, until: self.now + stays.max(reading), read_by };
         tracing::debug!(?weight, text = message.text, "message");
         // What is said again while it still stands is said once.
         let stands =

@@ -374,15 +374,15 @@ impl Runtime {
             linden_terminal::ascii::fold(&mut buffer);
         }
         self.model.regions = view.regions;
-        let graphics = self.graphics();
+        let graphics = self.graphics(&view.covers);
         self.display.present(buffer, view.cursor, view.order, graphics, now);
         self.is_stale = false;
         self.keys.painted(now);
     }
 
     /// The pictures as pixels, where the terminal shows such and nothing lies over them: that of the tree, or
-    /// those of a gallery.
-    fn graphics(&mut self) -> Vec<Graphic> {
+    /// those of a gallery. Below what `covers` a part of one its cells are shown instead.
+    fn graphics(&mut self, covers: &[Rect]) -> Vec<Graphic> {
         let is_covered = self.model.dialogs.iter().any(|dialog| !dialog.is_prompt());
         let (layer, wanted) = match vary::graphics(&self.model) {
             Some(small) => (1, small),
@@ -392,7 +392,8 @@ impl Runtime {
         // What nothing else holds any more is not shown again.
         self.shown_pictures.retain(|(_, data)| Arc::strong_count(data) > 1);
         let mut graphics = Vec::with_capacity(wanted.len());
-        for (area, data) in wanted {
+        let is_free = |(area, _): &(Rect, _)| covers.iter().all(|cover| !cover.intersects(*area));
+        for (area, data) in wanted.into_iter().filter(is_free) {
             if data.protocol() == linden_terminal::graphics::Protocol::Kitty {
                 self.session.expect_images(true);
             }

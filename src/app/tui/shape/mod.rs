@@ -345,7 +345,12 @@ pub fn grown(model: &mut Model, grown: Result<Arc<ShownTree>, String>) {
         }
         Err(why) => {
             tree.fault = Some(why.clone());
-            model.say_error(why);
+            // The editor says it where it says all that is wrong with its text.
+            if model.dialogs.top::<grammar::GrammarEditor>().is_some() {
+                model.keep_error(&why);
+            } else {
+                model.say_error(why);
+            }
         }
     }
 }

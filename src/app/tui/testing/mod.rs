@@ -251,7 +251,8 @@ impl Bench {
         self
     }
 
-    fn paint(&self) -> (Buffer, View) {
+    /// The screen, and what lies where on it.
+    pub fn paint(&self) -> (Buffer, View) {
         let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
         let view = screen::view(&self.model, &mut buffer);
         (buffer, view)
