@@ -3,8 +3,12 @@
 //! Commands are judged as they will run: with the palette closed. A knob takes what follows its name, as
 //! `season 0.8`, and so does a setting, as `theme light`.
 
+use std::sync::Arc;
+
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
-use linden::preset::Section;
+use linden::knob::Value;
+use linden::preset::PresetKnob;
+use linden::recipe::Recipe;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use tui_input::Input;
@@ -14,22 +18,29 @@ use super::footer::key_label;
 use super::popup::{popup, scrollbar};
 use super::prompt::{self, edit, paint, paste};
 use crate::config::settings::{SETTINGS, Setting};
+use crate::paths::begins_path;
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::export;
-use crate::tui::layout::{Pane, Target, View, centered, first_row};
+use crate::tui::layout::{Pane, Target, View, centered, first_row, inside};
 use crate::tui::library::{open_path, show_selected};
 use crate::tui::model::{Command, FormSpot, Model, has_tags, split_tags};
 use crate::tui::ranking::{Closeness, Ranking};
 use crate::tui::shape;
 use crate::tui::tree::TreePlace;
-use crate::wrap::clipped;
+use crate::wrap::{clipped, wrapped_within};
 
 /// Cells of a command's name.
 const NAME: usize = 22;
-/// Rows that a key for a page moves by.
-const PAGE: usize = 8;
+/// Columns of the palette, and the share of a wide screen that it has.
+const COLUMNS: u16 = 86;
+const SHARE: (u16, u16) = (3, 5);
+/// Rows that say all of what the row at the cursor is, with a rule above; and the height that they want.
+const ABOUT: u16 = 3;
+const WITH_ABOUT: u16 = 12;
+/// What an age is typed behind.
+const AGE: &str = "age";
 
 /// The palette.
 pub struct Palette {
@@ -41,6 +52,10 @@ pub struct Palette {
     choices: Vec<Choice>,
     /// What a path means that is typed.
     file: Choice,
+    /// What an age means that is typed, and no choice is called so.
+    age: Choice,
+    /// The tree that it would be of.
+    recipe: Option<Arc<Recipe>>,
 }
 
 /// What can be chosen.
@@ -83,6 +98,32 @@ struct Found<'p> {
     value: Option<&'p str>,
     /// The letters of its title that match what was typed.
     marks: Vec<u32>,
+    /// Why it cannot be done with that value.
+    refusal: Option<String>,
+}
+
+impl<'p> Found<'p> {
+    fn new(choice: &'p Choice, value: Option<&'p str>) -> Self {
+        Self { choice, value, marks: Vec::new(), refusal: None }
+    }
+
+    /// Why it cannot be used now.
+    fn hindrance(&self) -> Option<&str> {
+        self.refusal.as_deref().or(self.choice.hindrance.as_deref())
+    }
+
+    /// What it is or would do, or why it cannot.
+    fn about(&self) -> String {
+        let Choice { what, about, .. } = self.choice;
+        match (self.hindrance(), self.value, what) {
+            (Some(why), ..) => why.to_owned(),
+            (None, None, _) => about.clone(),
+            (None, Some(value), What::File | What::Age(_)) => {
+                format!("{}: {about}", linden::knob::printable(value))
+            }
+            (None, Some(value), _) => format!("becomes {value}, was {about}"),
+        }
+    }
 }
 
 impl Palette {
@@ -90,16 +131,19 @@ impl Palette {
     pub fn new(model: &Model) -> Self {
         let about = "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned();
         let file = Choice::new(What::File, "open".to_owned(), about);
-        Self { input: Input::default(), selected: 0, choices: choices(model), file }
+        let about = "shows the tree at that age; Undo takes it back".to_owned();
+        let age = Choice::new(What::Age(String::new()), AGE.to_owned(), about);
+        let (input, recipe) = (Input::default(), recipe(model));
+        Self { input, selected: 0, choices: choices(model), file, age, recipe }
     }
 
     /// What matches, the best first; everything when nothing is typed.
     fn found(&self) -> Vec<Found<'_>> {
         let typed = self.input.value().trim();
-        if self.choices.iter().any(|choice| matches!(choice.what, What::Preset(_))) && is_path(typed) {
-            return vec![Found { choice: &self.file, value: Some(typed), marks: Vec::new() }];
+        if self.choices.iter().any(|choice| matches!(choice.what, What::Preset(_))) && begins_path(typed) {
+            return vec![Found::new(&self.file, Some(typed))];
         }
-        if let Some(turned) = self.turned() {
+        if let Some(turned) = self.aged().or_else(|| self.turned()) {
             return vec![turned];
         }
         let (wanted, words) = split_tags(self.input.value());
@@ -126,7 +170,7 @@ impl Palette {
             if score.is_some() || is_told() {
                 found.push((
                     (ranking.closeness(title), score.unwrap_or(0)),
-                    Found { choice, value: None, marks: marks.unwrap_or_default() },
+                    Found { marks: marks.unwrap_or_default(), ..Found::new(choice, None) },
                 ));
             }
         }
@@ -149,7 +193,22 @@ impl Palette {
             _ => false,
         })?;
         let value = value.trim_start_matches([' ', '=']).trim_end();
-        Some(Found { choice, value: Some(value).filter(|value| !value.is_empty()), marks: Vec::new() })
+        Some(Found::new(choice, Some(value).filter(|value| !value.is_empty())))
+    }
+
+    /// An age that is no choice and no value of the knob: as `--age` takes it, or why there is none.
+    fn aged(&self) -> Option<Found<'_>> {
+        let typed = self.input.value().trim();
+        let age = typed.strip_prefix(AGE)?.strip_prefix([' ', '='])?.trim();
+        let preset = &self.recipe.as_ref()?.preset;
+        let is_begun =
+            |choice: &Choice| matches!(choice.what, What::Age(_)) && choice.title.starts_with(typed);
+        let is_value = || preset.find_knob(AGE).is_some_and(|row| row.knob.kind.parse(age).is_ok());
+        if age.is_empty() || self.choices.iter().any(is_begun) || is_value() {
+            return None;
+        }
+        let refusal = shape::ages::typed_age(preset, age).err();
+        Some(Found { refusal, ..Found::new(&self.age, Some(age)) })
     }
 
     fn step(&mut self, down: bool, by: usize) {
@@ -166,13 +225,8 @@ impl Dialog<Model> for Palette {
 
     fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
         let theme = &model.config.theme;
-        let body = model.popup_body();
-        // In a pane it takes all of the room.
-        let air = if body == model.dialog_body() { 2 } else { 0 };
-        let mut area = centered(86, body.height.saturating_sub(air).clamp(body.height.min(5), 24), body);
-        area.y = body.y + (body.height / 8).min(body.height - area.height);
-        let outer = area;
-        let area = popup(model, "Commands", area, buffer, view);
+        let outer = area(model);
+        let area = popup(model, "Commands", outer, buffer, view);
         if area.is_empty() {
             return;
         }
@@ -181,7 +235,7 @@ impl Dialog<Model> for Palette {
             Rect { x: area.x + 2.min(area.width), width: area.width.saturating_sub(2), height: 1, ..area };
         paint(&self.input, input, buffer, view, theme);
         let found = self.found();
-        let list = Rect { y: area.y + 1, height: area.height - 1, ..area };
+        let list = list(area);
         if found.is_empty() && !list.is_empty() {
             buffer.set_stringn(list.x, list.y, " nothing matches", list.width.into(), theme.popup_dim);
         }
@@ -191,18 +245,28 @@ impl Dialog<Model> for Palette {
             view.regions.push((row, Target::Dialog(Some(i))));
             palette_row(model, found, i == self.selected, row, buffer);
         }
+        if let Some(found) = found.get(self.selected) {
+            explain(
+                model,
+                found,
+                Rect { y: list.bottom(), height: area.bottom() - list.bottom(), ..area },
+                buffer,
+            );
+        }
         if outer != area && found.len() > list.height.into() {
             scrollbar(model, Rect { x: list.right(), width: 1, ..list }, first, found.len(), buffer);
         }
     }
 
     /// A key that edits or moves.
-    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+    fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+        // A page less a row, so that the eye finds where it was.
+        let page = usize::from(list(inside(area(model))).height).saturating_sub(1).max(1);
         match (key.code, key.modifiers.contains(KeyModifiers::CONTROL)) {
             (KeyCode::Up, _) | (KeyCode::Char('p'), true) => self.step(false, 1),
             (KeyCode::Down, _) | (KeyCode::Char('n'), true) => self.step(true, 1),
-            (KeyCode::PageUp, _) => self.step(false, PAGE),
-            (KeyCode::PageDown, _) => self.step(true, PAGE),
+            (KeyCode::PageUp, _) => self.step(false, page),
+            (KeyCode::PageDown, _) => self.step(true, page),
             _ => {
                 if edit(&mut self.input, key) {
                     self.selected = 0;
@@ -250,7 +314,11 @@ impl Dialog<Model> for Palette {
                 model.focus_on(Pane::Shape);
                 model.form.selected = Some(FormSpot::Knob(name));
             }
-            (What::Age(name), _) => shape::ages::show(model, &name),
+            (What::Age(name), age) => {
+                if !shape::ages::show(model, age.as_deref().unwrap_or(&name)) {
+                    return After::Stays;
+                }
+            }
             (What::Format(id), _) => export::open_with(model, id),
             (What::Setting(setting), value) => {
                 let Some(value) = value else {
@@ -273,14 +341,51 @@ impl Dialog<Model> for Palette {
 
     /// What can be used may have changed.
     fn refresh(&mut self, model: &Model) {
-        self.choices = choices(model);
+        (self.choices, self.recipe) = (choices(model), recipe(model));
+    }
+}
+
+/// The tree whose ages can be typed: panes lie behind a dialog.
+fn recipe(model: &Model) -> Option<Arc<Recipe>> {
+    let tree = model.tree.as_ref().filter(|_| model.dialogs.is_empty());
+    tree.map(|tree| Arc::clone(tree.recipe()))
+}
+
+/// Where the palette is: with some air around it, but beside a picture, where it takes all of the room.
+fn area(model: &Model) -> Rect {
+    let body = model.popup_body();
+    let air = if body == model.dialog_body() { (body.height / 12).max(1) } else { 0 };
+    let columns = (body.width * SHARE.0 / SHARE.1).max(COLUMNS);
+    centered(columns, body.height.saturating_sub(2 * air).max(body.height.min(5)), body)
+}
+
+/// The rows of what can be chosen, below the line that is typed.
+fn list(inner: Rect) -> Rect {
+    let below = inner.height.saturating_sub(1);
+    let about = if inner.height >= WITH_ABOUT { ABOUT } else { 0 };
+    Rect { y: inner.y + inner.height - below, height: below - about, ..inner }
+}
+
+/// All of what the row at the cursor says, which has less room itself.
+fn explain(model: &Model, found: &Found<'_>, area: Rect, buffer: &mut Buffer) {
+    if area.height < 2 {
+        return;
+    }
+    let theme = &model.config.theme;
+    let width = usize::from(area.width);
+    buffer.set_string(area.x, area.y, "─".repeat(width), theme.popup_border);
+    let style = if found.hindrance().is_none() { theme.popup_dim } else { theme.warning };
+    let rows = wrapped_within(&found.about(), width.saturating_sub(2), usize::from(area.height) - 1);
+    for (row, y) in rows.iter().zip(area.y + 1..area.bottom()) {
+        buffer.set_stringn(area.x + 1, y, row, width.saturating_sub(1), theme.popup.patch(style));
     }
 }
 
 /// What can be chosen, what it does or why it cannot, and its keys.
 fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer: &mut Buffer) {
     let theme = &model.config.theme;
-    let Choice { what, title, about, hindrance, .. } = found.choice;
+    let Choice { what, title, .. } = found.choice;
+    let hindrance = found.hindrance();
     let base = if chosen { theme.selected } else { theme.popup };
     let dimmed = |style| if chosen { base } else { theme.popup.patch(style) };
     buffer.set_style(row, base);
@@ -306,16 +411,12 @@ fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer
         What::Setting(_) => "setting".to_owned(),
         What::File => "file".to_owned(),
     };
-    let turning = found.value.map(|value| match what {
-        What::File => format!("{}: {about}", linden::knob::printable(value)),
-        _ => format!("becomes {value}, was {about}"),
-    });
-    let about = turning.as_deref().or(hindrance.as_deref()).unwrap_or(about);
+    let about = found.about();
     let style = dimmed(if hindrance.is_none() { theme.popup_dim } else { theme.warning });
     let from = NAME.max(title.width()) + 2;
     let room = width.saturating_sub(from + tail.width() + 2);
     if room >= 8 {
-        buffer.set_stringn(row.x + from as u16, row.y, clipped(about, room), room, style);
+        buffer.set_stringn(row.x + from as u16, row.y, clipped(&about, room), room, style);
     }
     let wide = tail.width() as u16 + 1;
     if usize::from(wide) + title.width() + 2 <= width {
@@ -339,13 +440,11 @@ fn choices(model: &Model) -> Vec<Choice> {
     // Panes lie behind a dialog.
     let (tree, library) = (model.tree.as_ref(), &model.library);
     let panes = tree.filter(|_| model.dialogs.is_empty());
-    let labels = panes.map_or_else(Vec::new, |tree| tree.preset().kind_labels());
-    let knobs = panes.into_iter().flat_map(|tree| tree.preset().all_knobs()).map(|(row, value)| {
-        let title = match row.section {
-            Section::Kind(kind) => format!("{}.{}", labels[kind], row.short_name()),
-            _ => row.knob.name.to_owned(),
-        };
-        Choice::new(What::Knob(row.knob.name), title, format!("{value}: {}", row.knob.help))
+    let with_preset = |(row, value)| panes.map(|tree| (tree.preset(), row, value));
+    let knobs = panes.into_iter().flat_map(|tree| tree.preset().all_knobs()).filter_map(with_preset);
+    let knobs = knobs.map(|(preset, row, value): (_, PresetKnob, Value)| {
+        let about = format!("{value}: {}", row.knob.help);
+        Choice::new(What::Knob(row.knob.name), shape::called(preset, &row), about)
     });
     let ages = panes.into_iter().flat_map(|tree| shape::ages::ages(tree.preset()));
     let ages = ages.map(|(name, about)| {
@@ -376,11 +475,6 @@ fn choices(model: &Model) -> Vec<Choice> {
         Choice::new(What::Setting(setting), setting.name.to_owned(), about)
     });
     commands.chain(ages).chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
-}
-
-/// Whether what was typed begins as paths do.
-fn is_path(typed: &str) -> bool {
-    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start))
 }
 
 /// Changes a setting for this session, and says where it is kept; whether the value was one.

@@ -77,3 +77,57 @@ fn a_whole_name_comes_before_what_merely_has_its_letters() {
         assert_eq!(palette.found()[0].choice.title, first, "{typed}");
     }
 }
+
+#[test]
+fn an_age_that_the_plant_does_not_name_is_told_with_those_that_it_does() {
+    let mut bench = Bench::new(110, 34).without_pictures().with_plain("silver-birch");
+    let named: Vec<String> =
+        bench.model.tree.as_ref().unwrap().preset().ages().iter().map(|age| age.name.clone()).collect();
+    assert!(named.len() > 1);
+    bench.keys(":").types("age ancient");
+    let words = |bench: &Bench| bench.screen().split_whitespace().collect::<Vec<_>>().join(" ");
+    for name in &named {
+        assert!(words(&bench).contains(name), "while it is typed: {}", bench.screen());
+    }
+    bench.keys("enter");
+    assert_eq!(bench.model.context(), prompt::CONTEXT, "it can be typed again");
+    let said = bench.model.message.as_ref().unwrap().text.clone();
+    assert!(said.contains("has no age 'ancient'") && named.iter().all(|name| said.contains(name)), "{said}");
+    // What the answer offers is taken.
+    let knob = |bench: &Bench, name: &str| {
+        let preset = bench.model.tree.as_ref().unwrap().preset();
+        preset.text_of(&preset.find_knob(name).unwrap()).unwrap()
+    };
+    for (typed, name, value) in [("age 9y", "years", "9"), ("age half=0.5", "age", "0.5")] {
+        bench.keys("ctrl-u").types(typed).keys("enter");
+        assert!(bench.model.dialogs.is_empty(), "{typed}: {:?}", bench.model.message);
+        assert_eq!(knob(&bench, name), value, "{typed}");
+        bench.keys("u :");
+    }
+    // A share alone is a value of the knob, as before.
+    bench.keys("ctrl-u").types("age 0.7").keys("enter");
+    assert_eq!(knob(&bench, "age"), "0.7");
+}
+
+#[test]
+fn what_the_row_has_no_room_for_is_said_below_the_list() {
+    let mut bench = Bench::grown(80, 24).without_pictures();
+    bench.keys(":").types("copy command");
+    let words = bench.screen().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("(through the terminal, so over SSH too)"), "{}", bench.screen());
+}
+
+#[test]
+fn a_high_terminal_lists_more() {
+    let rows = |rows: u16| {
+        let mut bench = Bench::grown(120, rows).without_pictures();
+        bench.keys(":");
+        bench
+            .model
+            .regions
+            .iter()
+            .filter(|(_, target)| matches!(target, crate::tui::layout::Target::Dialog(Some(_))))
+            .count()
+    };
+    assert!(rows(60) >= 40 && rows(24) >= 14 && rows(12) >= 5, "{} {} {}", rows(60), rows(24), rows(12));
+}

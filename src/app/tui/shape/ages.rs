@@ -13,27 +13,41 @@ pub fn ages(preset: &Preset) -> Vec<(String, String)> {
     preset.ages().iter().map(|age| (age.name.clone(), turns(age))).collect()
 }
 
-/// Turns the knobs of an age; those of other ages get the values that they had when the tree was opened or saved.
-pub fn show(model: &mut Model, name: &str) {
-    let Some(tree) = &mut model.tree else { return };
-    match at(tree.preset(), &tree.saved().preset, name) {
-        Ok(preset) => {
-            tree.replace(preset);
-            model.say(format!("{name}; Undo takes it back"));
-        }
-        Err(why) => model.say_warning(why.to_string()),
+/// Turns the knobs of an age, as `--age` has it: by its name, in years, or as a share; those of other ages get the
+/// values that they had when the tree was opened or saved. Whether there is such an age; why not is said.
+pub fn show(model: &mut Model, typed: &str) -> bool {
+    let Some(tree) = &mut model.tree else { return false };
+    let shown = typed_age(tree.preset(), typed).and_then(|age| {
+        let preset = at(tree.preset(), &tree.saved().preset, &age).map_err(|why| why.to_string())?;
+        tree.replace(preset);
+        Ok(age.name)
+    });
+    let is_shown = shown.is_ok();
+    match shown {
+        Ok(name) => model.say(format!("{name}; Undo takes it back")),
+        Err(why) => model.say_warning(why),
     }
+    is_shown
 }
 
-fn at(now: &Preset, saved: &Preset, name: &str) -> Result<Preset, KnobError> {
+/// The age that is meant by what was typed.
+///
+/// # Errors
+/// Why there is none, and which there are.
+pub fn typed_age(preset: &Preset, typed: &str) -> Result<Age, String> {
+    let ages = preset.ages_of(typed).map_err(|why| why.to_string())?;
+    let [age] = <[Age; 1]>::try_from(ages).map_err(|_| "one age is shown at a time".to_owned())?;
+    Ok(age)
+}
+
+fn at(now: &Preset, saved: &Preset, age: &Age) -> Result<Preset, KnobError> {
     let mut preset = now.clone();
-    let ages = now.ages();
-    for (knob, _) in ages.iter().flat_map(Age::turns) {
+    for (knob, _) in now.ages().iter().flat_map(Age::turns) {
         if let Some(text) = saved.find_knob(knob).and_then(|row| saved.text_of(&row)) {
             preset.set(knob, &text)?;
         }
     }
-    for (knob, to) in ages.iter().filter(|age| age.name == name).flat_map(Age::turns) {
+    for (knob, to) in age.turns() {
         preset.set(knob, &to)?;
     }
     Ok(preset)

@@ -5,7 +5,6 @@ use linden::knob::printable;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};
-use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthChar;
 
 use super::grammar::{GrammarEditor, said};
@@ -17,7 +16,7 @@ use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
-use crate::wrap::clipped;
+use crate::wrap::{clipped, wrapped_within};
 
 /// How the text is written, for those who see it for the first time.
 const SYNTAX: &str = "axiom = F · a rule a line: F -> F[+F]F · a chance: F -> (0.5) FF · // comment";
@@ -57,17 +56,29 @@ impl Dialog<Model> for GrammarEditor {
 fn paint(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let lines = editor.text.lines().count();
-    let footer = u16::from(body.height >= 3);
-    let room = body.height.saturating_sub(footer);
+    let room = body.height;
     let wanted = u16::try_from(lines + 1).unwrap_or(u16::MAX).saturating_add(AROUND);
     let height = wanted.min((u32::from(room) * 6 / 10) as u16).max(12).min(room);
     let area = Rect { y: body.y + room - height, height, ..body };
-    let title = if editor.is_changed() { "Grammar ●" } else { "Grammar" };
+    let fault = fault(model, editor);
+    let title = match (editor.is_changed(), &fault) {
+        (false, None) => "Grammar",
+        (true, None) => "Grammar ●",
+        (false, Some(_)) => "Grammar ✗ does not grow",
+        (true, Some(_)) => "Grammar ● ✗ does not grow",
+    };
     let inner = popup(model, title, area, buffer, view);
     if inner.is_empty() {
         return;
     }
-    let bottom = if inner.height >= 6 { 2 } else { u16::from(inner.height >= 2) };
+    let forecast = || model.tree.as_ref().and_then(|tree| forecast::line(tree.preset()));
+    let (said, style) = match fault {
+        Some(fault) => (fault, theme.popup.patch(theme.error).remove_modifier(Modifier::UNDERLINED)),
+        None => (forecast().unwrap_or_default(), theme.popup_dim),
+    };
+    // What is wrong is read whole where that leaves the text two thirds.
+    let rows = wrapped_within(&said, inner.width.into(), usize::from(inner.height / 3).max(2));
+    let bottom = if inner.height >= 6 { (rows.len() as u16).max(2) } else { u16::from(inner.height >= 2) };
     let top = u16::from(inner.height >= 5);
     let text = Rect { y: inner.y + top, height: inner.height - top - bottom, ..inner };
     if top > 0 {
@@ -76,20 +87,17 @@ fn paint(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buffer,
     }
     body_of(model, editor, lines, text, buffer, view);
     let below = Rect { y: text.bottom(), height: bottom, ..inner };
-    if let Some(fault) = &editor.fault {
-        let style = theme.popup.patch(theme.error).remove_modifier(Modifier::UNDERLINED);
-        Paragraph::new(said(fault)).style(style).wrap(Wrap { trim: true }).render(below, buffer);
-    } else if !below.is_empty()
-        && let Some(line) = model.tree.as_ref().and_then(|tree| forecast::line(tree.preset()))
-    {
-        buffer.set_stringn(
-            below.x,
-            below.y,
-            clipped(&line, below.width.into()),
-            below.width.into(),
-            theme.popup_dim,
-        );
+    let rows = if bottom < 2 { wrapped_within(&said, below.width.into(), bottom.into()) } else { rows };
+    for (row, y) in rows.iter().zip(below.y..below.bottom()) {
+        buffer.set_stringn(below.x, y, row, below.width.into(), style);
     }
+}
+
+/// Why the text, as it stands, grows into no tree: it cannot be read, or what it says came to nothing.
+fn fault(model: &Model, editor: &GrammarEditor) -> Option<String> {
+    // What is growing was not there to be wrong yet.
+    let tree = model.tree.as_ref().filter(|tree| tree.growing.is_none());
+    editor.fault.as_ref().map(said).or_else(|| tree?.fault.clone())
 }
 
 /// The text with its line numbers.

@@ -43,6 +43,29 @@ fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
 }
 
 #[test]
+fn a_text_that_can_be_read_and_does_not_grow_is_told_while_it_is_typed() {
+    let mut bench = FormBench::new("abop-a");
+    bench.keys("x ctrl-home ctrl-k").typed("axiom = Q").grow();
+    assert!(bench.tree().fault.is_some());
+    let shown = |bench: &mut FormBench| text(&bench.paint(100, 30).0);
+    let words = |screen: &str| screen.split_whitespace().collect::<Vec<_>>().join(" ");
+    let screen = shown(&mut bench);
+    assert!(screen.contains("Grammar ● ✗ does not grow"), "{screen}");
+    assert!(words(&screen).contains("the string has no F or G"), "{screen}");
+    // It is said there alone, and the keys stay in sight.
+    assert!(screen.contains("^S Done"), "{screen}");
+    assert!(bench.model.messages.iter().any(|said| said.text.contains("no F or G")));
+    // What cannot even be read is told before that.
+    bench.typed("[");
+    let screen = shown(&mut bench);
+    assert!(words(&screen).contains("line 1, column 10: '[' opens a branch"), "{screen}");
+    bench.keys("backspace backspace").typed("F").grow();
+    let screen = shown(&mut bench);
+    assert!(screen.contains("Grammar ─") && !screen.contains("no F or G"), "{screen}");
+    assert!(screen.contains("7 811 symbols"), "{screen}");
+}
+
+#[test]
 fn the_editors_own_undo_revert_and_comments() {
     let mut bench = FormBench::new("abop-a");
     let before = bench.tree().grammar().unwrap().clone();
