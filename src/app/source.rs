@@ -12,7 +12,7 @@ use linden::grow::Grown;
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
-use linden::preset::{Fault, Preset, RecipeError, builtin, builtin_file, builtins};
+use linden::preset::{Fault, Preset, RecipeError, SourceKind, builtin, builtin_file, builtins};
 use linden::provenance::Provenance;
 use linden::recipe::{Input, Inputs, Recipe};
 
@@ -371,16 +371,16 @@ impl<'a> Reader<'a> {
         let reading = || format!("reading {shown}");
         let name = file_name(path);
         let bytes = &content[..];
-        let kind = sniff(bytes, &name).with_context(reading)?;
+        let kind = SourceKind::from(sniff(bytes, &name).with_context(reading)?);
         let id = id_from(&name);
         let preset = match kind {
-            InputKind::Preset => {
+            SourceKind::Preset => {
                 let text = document(bytes, shown, self.monitor)?;
                 let preset = Preset::from_toml(text).map_err(|fault| locate(shown, &fault))?;
                 return self.furnished(preset, &NamedDocument { path, shown, text });
             }
-            InputKind::Recipe => return self.recipe(path, shown, document(bytes, shown, self.monitor)?),
-            InputKind::Grammar => {
+            SourceKind::Recipe => return self.recipe(path, shown, document(bytes, shown, self.monitor)?),
+            SourceKind::Grammar => {
                 let parsed = text::parse(utf8(bytes, shown)?).map_err(|error| {
                     usage(format!("{shown}:{}:{}: {}", error.line, error.column, error.problem))
                 })?;
@@ -389,21 +389,13 @@ impl<'a> Reader<'a> {
                 self.is_bare_grammar = true;
                 return self.replaced(Recipe::new(preset));
             }
-            InputKind::TreeParameters => {
+            SourceKind::TreeParameters => {
                 let (preset, notes) = Preset::of_tree_parameters(&id, utf8(bytes, shown)?)
                     .map_err(|fault| locate(shown, &fault))?;
                 self.notes.extend(notes.into_iter().map(|note| format!("{shown}: {note}")));
                 return self.replaced(Recipe::new(preset));
             }
-            InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
-            InputKind::Cylinders { tapered } => Preset::of_cylinders(&id, &name, tapered),
-            InputKind::PlyPoints
-            | InputKind::XyzPoints
-            | InputKind::LasPoints
-            | InputKind::E57Points
-            | InputKind::PcdPoints
-            | InputKind::PtxPoints
-            | InputKind::HeightGrid => Preset::of_points(&id, &name),
+            SourceKind::Data(kind) => Preset::of_data(&id, &name, kind),
         };
         self.grown_into(preset, &name, Content::Bytes(content), shown)
     }

@@ -7,10 +7,10 @@ use std::str;
 use std::sync::Arc;
 
 use linden_pipeline::document::Fault;
-use linden_pipeline::input::{Input, InputKind, sniff};
+use linden_pipeline::input::{Input, sniff};
 use linden_pipeline::lsystem::{Grammar, text};
 use linden_pipeline::monitor::{Holding, Monitor, Phase, Quiet};
-use linden_pipeline::preset::{LSystem, Preset, builtin, builtin_file};
+use linden_pipeline::preset::{LSystem, Preset, SourceKind, builtin, builtin_file};
 use linden_pipeline::recipe::Recipe;
 
 use crate::tree::Watcher;
@@ -144,15 +144,15 @@ fn read_watched(path: &Path, allowed: &[PathBuf], monitor: &dyn Monitor) -> Resu
         str::from_utf8(&bytes).map_err(not_utf8).map_err(document)
     };
     let mut notes = Vec::new();
-    let preset = match sniff(&bytes, &name).map_err(input)? {
-        InputKind::Preset => {
+    let preset = match SourceKind::from(sniff(&bytes, &name).map_err(input)?) {
+        SourceKind::Preset => {
             return furnished(path, Preset::from_toml(text()?).map_err(document)?, allowed, monitor);
         }
-        InputKind::Recipe => {
+        SourceKind::Recipe => {
             let tree = furnished(path, Preset::from_json(text()?).map_err(document)?, allowed, monitor)?;
             return Ok(tree.with_provenance(text()?));
         }
-        InputKind::Grammar => {
+        SourceKind::Grammar => {
             let found = text::parse(text()?).map_err(|error| {
                 let place = linden_pipeline::document::TextPlace { line: error.line, column: error.column };
                 document(Fault::new(Some(place), error.problem.to_string()))
@@ -160,19 +160,11 @@ fn read_watched(path: &Path, allowed: &[PathBuf], monitor: &dyn Monitor) -> Resu
             notes = found.notes;
             Preset::of_grammar(&id, found.grammar, found.angle_deg, found.derivations)
         }
-        InputKind::TreeParameters => {
+        SourceKind::TreeParameters => {
             let (preset, notes) = Preset::of_tree_parameters(&id, text()?).map_err(document)?;
             return Ok(Tree::of(Recipe::new(preset)).sparing(vec![path.to_owned()]).noting(notes));
         }
-        InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
-        InputKind::Cylinders { tapered } => Preset::of_cylinders(&id, &name, tapered),
-        InputKind::PlyPoints
-        | InputKind::XyzPoints
-        | InputKind::LasPoints
-        | InputKind::E57Points
-        | InputKind::PcdPoints
-        | InputKind::PtxPoints
-        | InputKind::HeightGrid => Preset::of_points(&id, &name),
+        SourceKind::Data(kind) => Preset::of_data(&id, &name, kind),
     };
     let mut recipe = Recipe::new(preset);
     if recipe.preset.files().contains(&name.as_str()) {

@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 use linden::Monitor;
 use linden::forest::ForestDocument;
-use linden::input::{InputKind, sniff};
+use linden::input::sniff;
 use linden::knob::excerpt;
 use linden::lsystem::text;
-use linden::preset::{Preset, TextPlace, builtin_file};
+use linden::preset::{Preset, SourceKind, TextPlace, builtin_file};
 
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
@@ -295,16 +295,16 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
     let bytes = files::read(path, MAX_BYTES)?.ok_or_else(gone)?;
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let kind = sniff(&bytes, &name).map_err(|error| Complaint::new(path, error.to_string()))?;
-    let preset = match kind {
-        InputKind::Preset => {
+    let preset = match SourceKind::from(kind) {
+        SourceKind::Preset => {
             let text = files::into_text(path, bytes)?;
             Preset::from_toml(&text).map_err(|fault| of_fault(path, &fault))?
         }
-        InputKind::Recipe => {
+        SourceKind::Recipe => {
             let text = files::into_text(path, bytes)?;
             Preset::from_json(&text).map_err(|fault| of_fault(path, &fault))?
         }
-        InputKind::Grammar => {
+        SourceKind::Grammar => {
             let text = files::into_text(path, bytes)?;
             let parsed = text::parse(&text).map_err(|error| {
                 let place = TextPlace { line: error.line, column: error.column };
@@ -314,26 +314,12 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             preset.summary = parsed.comments.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
             return Ok((preset, Ok(())));
         }
-        InputKind::TreeParameters => {
+        SourceKind::TreeParameters => {
             let text = files::into_text(path, bytes)?;
             let read = Preset::of_tree_parameters(id, &text).map_err(|fault| of_fault(path, &fault))?;
             return Ok((read.0, Ok(())));
         }
-        InputKind::ObjMesh | InputKind::PlyMesh => {
-            return Ok((Preset::of_mesh(id, &name), Ok(())));
-        }
-        InputKind::Cylinders { tapered } => {
-            return Ok((Preset::of_cylinders(id, &name, tapered), Ok(())));
-        }
-        InputKind::PlyPoints
-        | InputKind::XyzPoints
-        | InputKind::LasPoints
-        | InputKind::E57Points
-        | InputKind::PcdPoints
-        | InputKind::PtxPoints
-        | InputKind::HeightGrid => {
-            return Ok((Preset::of_points(id, &name), Ok(())));
-        }
+        SourceKind::Data(kind) => return Ok((Preset::of_data(id, &name, kind), Ok(()))),
     };
     let problem = |file: &str| match trust::beside(Some(path), file) {
         Err(refused) => Some(refused.to_string()),

@@ -39,8 +39,11 @@ pub enum Places {
 /// The words of [`Places`].
 const PLACES: [&str; 2] = ["scattered", "given"];
 
+/// The setting that counts trees.
+const TREES: &str = "trees";
+
 /// The settings that mean nothing where the places are given.
-pub const SCATTERING: [&str; 6] = ["area", "spacing", "trees", "distinct", "size_spread", "compete"];
+pub const SCATTERING: [&str; 6] = ["area", "spacing", TREES, "distinct", "size_spread", "compete"];
 
 /// Enough that a tree is whole from a few metres on, and a forest of a dozen distinct ones stays well
 /// below 200 MB.
@@ -72,14 +75,25 @@ pub struct ForestKnob {
 }
 
 impl ForestKnob {
-    /// What its kind leaves open: trees are counted, though `auto` makes their number no [`Kind::Integer`].
+    /// What its kind leaves open.
     fn check(&self, value: &Value) -> Result<(), String> {
-        match value {
-            Value::Real(n) if self.knob.name == "trees" && n.fract() != 0.0 => {
-                Err(format!("{n} is not a whole number from 1 to 1000000, or auto"))
+        match (value, counted(&self.knob)) {
+            (Value::Real(n), Some(kind)) => {
+                kind.parse(&n.to_string()).map(drop).map_err(|problem| format!("{problem}, or auto"))
             }
             _ => Ok(()),
         }
+    }
+}
+
+/// The kind of a setting's whole numbers where its own leaves them open: trees are counted, though `auto` makes their number
+/// no [`Kind::Integer`].
+pub fn counted(knob: &Knob) -> Option<Kind> {
+    match knob.kind {
+        Kind::Real { min, max, auto: true, .. } if knob.name == TREES => {
+            Some(Kind::Integer { min: min as u64, max: max as u64 })
+        }
+        _ => None,
     }
 }
 
@@ -107,7 +121,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     },
     ForestKnob {
         knob: Knob::new(
-            "trees",
+            TREES,
             Kind::Real { min: 1.0, max: 1e6, auto: true, names: &[] },
             "",
             "how many trees there are; auto: as many as fit",

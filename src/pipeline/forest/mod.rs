@@ -39,7 +39,7 @@ use linden_plant::detail::{DetailError, Simplifier};
 pub use document::{ForestDocument, TreeLine, TreeSource};
 pub use error::{ForestError, Loner};
 pub use grown::{GrownForest, GrownForestError, GrownTree};
-pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError, Places, SCATTERING};
+pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError, Places, SCATTERING, counted};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};
 pub use plan::MOST_PLACES;
 pub use planned::{Plan, PlannedTree};

@@ -20,6 +20,7 @@ mod parameters;
 #[cfg(test)]
 mod part_tests;
 mod read;
+mod source_kind;
 mod spreads;
 #[cfg(test)]
 mod stand_tests;
@@ -68,6 +69,7 @@ pub use linden_skeleton::generator::InputTrees;
 pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
 pub use read::Heading;
+pub use source_kind::{DataKind, SourceKind};
 pub use tags::{MOST_TAGS, check_tag};
 
 use spreads::KnobSpread;

@@ -193,12 +193,10 @@ pub fn selected(model: &Model) -> Option<(&'static Knob, Value)> {
     chosen.or(first).map(|(row, value)| (&row.knob, value))
 }
 
-/// How a knob is nudged: trees are counted, though `auto` makes their number a real one.
+/// How a knob is nudged: what is counted as whole numbers are.
 pub fn counted(knob: &Knob, value: Value) -> (Kind, Value) {
-    match (&knob.kind, value) {
-        (Kind::Real { min, max, .. }, Value::Real(n)) if knob.name == "trees" => {
-            (Kind::Integer { min: *min as u64, max: *max as u64 }, Value::Integer(n as u64))
-        }
+    match (linden::forest::counted(knob), value) {
+        (Some(kind), Value::Real(n)) => (kind, Value::Integer(n as u64)),
         (_, value) => (knob.kind, value),
     }
 }
