@@ -1,8 +1,13 @@
 //! Exit codes, and which error means which.
 
+use std::error::Error;
 use std::process::ExitCode;
 
 use linden::Cancelled;
+use linden::input::InputError;
+
+use crate::source::MissingFile;
+use crate::trust::NotAllowed;
 
 /// 1: it was tried and failed.
 const FAILED: u8 = 1;
@@ -35,9 +40,24 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if error.is::<ReaderGone>() {
         return ExitCode::SUCCESS;
     }
-    let code = if error.chain().any(<dyn std::error::Error>::is::<Usage>) { USAGE } else { FAILED };
+    let code = if error.chain().any(is_usage) { USAGE } else { FAILED };
     say(&format!("error: {}", sentence(error)));
     ExitCode::from(code)
+}
+
+/// Whether the same again fails again, whatever the machine does: a mistake in the command or in a document, a file that a
+/// document names and that it may not, or that is not there, and text that is none.
+fn is_usage(cause: &(dyn Error + 'static)) -> bool {
+    cause.is::<Usage>()
+        || cause.is::<NotAllowed>()
+        || cause.is::<MissingFile>()
+        || cause.downcast_ref().is_some_and(is_of_other_encoding)
+}
+
+/// Whether a file is text that is not UTF-8.
+fn is_of_other_encoding(error: &InputError) -> bool {
+    matches!(error, InputError::NotUtf8 { .. })
+        || matches!(error, InputError::Unknown { looks } if looks.contains("UTF-16"))
 }
 
 /// A line on standard error. When even that is gone, there is nothing left to tell.

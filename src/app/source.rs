@@ -282,7 +282,10 @@ impl<'a> Reader<'a> {
     fn give(&mut self, key: &str, file: &str) -> anyhow::Result<()> {
         let path = PathBuf::from(file);
         let reading = || format!("reading {} for '{key}'", show(&path));
-        let content = reading::open(&path, self.monitor).with_context(reading)?;
+        let content = reading::open(&path, self.monitor).map_err(|error| {
+            let is_absent = error.downcast_ref().is_some_and(is_absent);
+            if is_absent { usage(format!("{}: {error}", reading())) } else { error.context(reading()) }
+        })?;
         let cube = self.thinning(&Preset::of_points("points", file));
         let input = content.input(file, cube, self.monitor).with_context(reading)?;
         self.given.push((key.to_owned(), file.to_owned(), input));

@@ -173,7 +173,11 @@ fn grammars_with_mistakes() {
     refused_document("g.txt", grammar("F=(1)F[+F"), &["g.txt:4:7", "never closed"]);
     refused_document("g.txt", grammar("F=(1)F]F"), &["g.txt:4:7", "never opened"]);
     refused_document("g.txt", "axiom=F\nangle=twenty\nnumber of derivations=2\n", &["g.txt:2:7", "twenty"]);
-    refused_file("g.txt", b"axiom=F\nangle=20\xff\nnumber of derivations=2\n", &["g.txt", "line 2", "UTF-8"]);
+    refused_document(
+        "g.txt",
+        b"axiom=F\nangle=20\xff\nnumber of derivations=2\n",
+        &["g.txt", "line 2", "UTF-8"],
+    );
 }
 
 #[test]
@@ -222,7 +226,37 @@ fn presets_with_mistakes() {
         "id = \"p\"\n[colonization]\ncrown = \"cone\"\n[foliage]\nleaf_length = \"8cm\"\n",
         &["p.toml:5:15: knob 'leaf_length'", "'8cm' is not", "write the number alone, in m"],
     );
-    refused_file("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"none.obj\"\n", &["none.obj"]);
+    // A table that is no generator's either.
+    refused_document(
+        "p.toml",
+        "id = \"p\"\n[foliag]\n",
+        &["a preset has no [foliag] (did you mean 'foliage'?)"],
+    );
+}
+
+#[test]
+fn files_that_documents_name_and_cannot() {
+    let crown = |file: &str| format!("id = \"p\"\n[colonization]\nenvelope = \"{file}\"\n");
+    refused_document(
+        "p.toml",
+        crown("none.obj"),
+        &["p.toml:3:1: 'envelope': reading none.obj", "--allow-path"],
+    );
+    refused_document("p.toml", crown("../none.obj"), &["p.toml:3:1: 'envelope'", "allow its folder"]);
+    for content in [&b"v 0 0 0\nv \xff"[..], b"\xff\xfev\0"] {
+        let folder = Folder::new();
+        folder.write("p.toml", crown("crown.obj"));
+        folder.write("crown.obj", content);
+        refused(&folder, 2, &["export", "p.toml", "-o", "x.glb"], &["p.toml:3:1: 'envelope'", "as UTF-8"]);
+        refused(&folder, 2, &["export", "crown.obj", "-o", "x.glb"], &["crown.obj", "as UTF-8"]);
+    }
+    let set = ["export", "fir", "-o", "x.glb", "--set", "bark_picture=none.png"];
+    refused_usage(&set, &["reading none.png for 'bark_picture'"]);
+    // What is there and broken may be mended where it is.
+    let folder = Folder::new();
+    folder.write("p.toml", crown("crown.obj"));
+    folder.write("crown.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+    refused(&folder, 1, &["export", "p.toml", "-o", "x.glb"], &["crown.obj"]);
 }
 
 #[test]
@@ -319,7 +353,7 @@ fn files_of_leaves_that_are_none() {
     }
     let folder = Folder::new();
     folder.write("p.toml", preset(picture));
-    refused(&folder, 1, &["export", "p.toml", "-o", "x.glb"], &["leaf.png", "p.toml"]);
+    refused(&folder, 2, &["export", "p.toml", "-o", "x.glb"], &["leaf.png", "p.toml"]);
     // A picture where a mesh must be, and the other way round.
     with(&mesh.replace("leaf.obj", "leaf.png"), "leaf.png", &png_of(1, 1), &["leaf.png", "mesh (OBJ)"]);
     let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

@@ -125,7 +125,7 @@ fn a_recipe_whose_files_are_elsewhere_says_so() {
     folder.write("trees/p.toml", "id = \"p\"\n[colonization]\nenvelope = \"hull.obj\"\npoints = 60\ninfluence = inf\n[bark]\nbark_size = 64\n");
     folder.run(&["export", "trees/p.toml", "-o", "out/p.glb"]).done();
     let said = folder.run(&["stats", "out/p.glb"]);
-    assert_eq!(said.code, Some(1));
+    assert_eq!(said.code, Some(2));
     assert!(
         said.err.contains("out/p.glb: 'envelope': reading out/hull.obj") && said.err.contains("put it there"),
         "{}",
@@ -169,7 +169,7 @@ fn documents_name_what_lies_beside_them() {
     let refused = |text: &str, place: &str| {
         folder.write("trees/p.toml", text);
         let said = folder.run(&["stats", "trees/p.toml"]);
-        assert_eq!(said.code, Some(1), "{}", said.err);
+        assert_eq!(said.code, Some(2), "{}", said.err);
         assert!(said.err.contains(place) && said.err.contains("--allow-path "), "{}", said.err);
         assert!(!said.err.contains("hunter2"), "what was refused is not quoted: {}", said.err);
     };
@@ -213,7 +213,7 @@ fn files_of_a_recipe_in_another_folder_are_found_where_the_user_says_or_stands()
     // Nor is anything said of it.
     folder.write("leaf.png", "hunter2");
     let said = folder.run(&["stats", "build/p.glb"]);
-    assert!(said.code == Some(1) && !said.err.contains("hunter2"), "{}", said.err);
+    assert!(said.code == Some(2) && !said.err.contains("hunter2"), "{}", said.err);
     assert!(said.err.contains("build/leaf.png"), "{}", said.err);
     folder.write("leaf.png", picture(90));
     folder.run(&["verify", "build/p.glb"]).done();
@@ -242,7 +242,7 @@ fn a_table_whose_recipe_lacks_a_file_is_what_its_rows_say() {
     assert!(said.err.contains("leaf.png") && said.err.contains("as they stand in the table"), "{}", said.err);
     assert!((length(&said) / whole - 1.0).abs() < 1e-3);
     // What is no table cannot do without.
-    assert_eq!(folder.run(&["stats", "out/p.glb"]).code, Some(1));
+    assert_eq!(folder.run(&["stats", "out/p.glb"]).code, Some(2));
 }
 
 #[test]
@@ -256,7 +256,7 @@ fn what_the_user_names_may_lie_anywhere_and_its_recipe_says_what_to_allow() {
     // It stands in for one that is not there.
     folder.run(&["export", "out/p.toml", "--set", &set, "-o", "out/p.glb", "--set", "bark_size=64"]).done();
     let said = folder.run(&["stats", "out/p.glb"]);
-    assert_eq!(said.code, Some(1));
+    assert_eq!(said.code, Some(2));
     assert!(said.err.contains("--allow-path"), "{}", said.err);
     let allow = folder.path().display().to_string();
     folder.run(&["stats", "out/p.glb", "--allow-path", &allow]).done();

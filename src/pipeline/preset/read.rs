@@ -225,7 +225,10 @@ fn generator(entries: &[Entry], text: Option<&str>) -> Result<Box<dyn Settings>,
             };
             let mut tables = entries.iter().filter(|entry| matches!(entry.node.datum, Datum::Table(_)));
             if let Some(entry) = tables.find(|entry| is_unknown(&entry.key)) {
-                let (key, meant) = (excerpt(&entry.key), did_you_mean(nearest(&entry.key, names)));
+                let sections = Section::all();
+                let sections = sections.iter().map(|section| section.key());
+                let known = names.iter().copied().chain(sections).chain([EDITS, AGES]);
+                let (key, meant) = (excerpt(&entry.key), did_you_mean(nearest(&entry.key, known)));
                 return Err(Fault::new(entry.place, format!("a preset has no [{key}]{meant}")));
             }
             let tables: Vec<String> = names.iter().map(|name| format!("[{name}]")).collect();
