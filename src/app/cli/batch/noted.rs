@@ -7,9 +7,10 @@ use super::rows::Row;
 /// The most kinds of notes that are said; rows have all.
 const MOST: usize = 20;
 
-/// Notes by what they say, whatever numbers are in it.
+/// Notes by what they say, whatever numbers are in it; of those of one tree that say the same but for these the first, the
+/// second and so on are kinds of their own.
 #[derive(Default)]
-pub struct Noted(BTreeMap<String, Kind>);
+pub struct Noted(BTreeMap<(String, usize), Kind>);
 
 /// Notes that say the same but for their numbers.
 struct Kind {
@@ -26,18 +27,18 @@ struct Kind {
 impl Noted {
     /// Adds those of a tree.
     pub fn add(&mut self, row: &Row) {
-        let mut of_row: BTreeMap<String, (usize, &String)> = BTreeMap::new();
+        let mut of_row: BTreeMap<String, usize> = BTreeMap::new();
         for (place, note) in row.notes.iter().enumerate() {
-            of_row.entry(without_numbers(note)).or_insert((place, note));
-        }
-        for (key, (place, note)) in of_row {
+            let key = without_numbers(note);
+            let alike = of_row.entry(key.clone()).or_default();
             let first = (row.index, place);
-            let kind = self.0.entry(key).or_insert_with(|| Kind {
+            let kind = self.0.entry((key, *alike)).or_insert_with(|| Kind {
                 first,
                 text: note.clone(),
                 trees: 0,
                 is_one: true,
             });
+            *alike += 1;
             kind.trees += 1;
             kind.is_one &= kind.text == *note;
             if first < kind.first {
@@ -68,16 +69,30 @@ impl Kind {
     }
 }
 
-/// A text with each number replaced by a sign.
+/// A text with each number replaced by a sign: `4`, `4.25`, `19 964`.
 fn without_numbers(text: &str) -> String {
     let mut key = String::with_capacity(text.len());
-    for c in text.chars() {
-        let c = if c.is_ascii_digit() { '#' } else { c };
-        if c != '#' || !key.ends_with(['#', '.']) {
-            key.push(c);
-        }
+    let mut rest = text;
+    while let Some(at) = rest.find(|c: char| c.is_ascii_digit()) {
+        key.push_str(&rest[..at]);
+        key.push('#');
+        rest = after_number(&rest[at..]);
     }
-    key
+    key + rest
+}
+
+/// What stands behind the number that a text begins with.
+fn after_number(text: &str) -> &str {
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let mut rest = &text[digits(text)..];
+    // Groups of thousands, as counts are written.
+    while rest.starts_with(' ') && digits(&rest[1..]) == 3 {
+        rest = &rest[4..];
+    }
+    match rest.strip_prefix('.') {
+        Some(fraction) if digits(fraction) > 0 => &fraction[digits(fraction)..],
+        _ => rest,
+    }
 }
 
 #[cfg(test)]
@@ -107,6 +122,23 @@ mod tests {
             }
             assert_eq!(noted.lines(), expected);
         }
+    }
+
+    #[test]
+    fn numbers_are_one_sign_however_they_are_written() {
+        for text in ["4 m are bare", "4.25 m are bare", "19 964 m are bare", "1 019 964.5 m are bare"] {
+            assert_eq!(without_numbers(text), "# m are bare");
+        }
+        assert_eq!(without_numbers("level 1: 12 of 300. 7 remain"), "level #: # of #. # remain");
+        assert_eq!(without_numbers("10 2000"), "# #");
+    }
+
+    #[test]
+    fn of_two_notes_of_a_tree_that_differ_in_numbers_alone_both_are_said() {
+        let mut noted = Noted::default();
+        noted.add(&row(3, &["level 1 is bare", "level 2 is bare"]));
+        noted.add(&row(1, &["level 1 is bare"]));
+        assert_eq!(noted.lines(), ["level 1 is bare (2 trees)", "tree 3: level 2 is bare"]);
     }
 
     #[test]
