@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::billboard::{Billboard, billboard};
+use super::billboard::{Billboard, kept_billboard};
 use super::cards::Cards;
 use super::exposure::Exposure;
 use super::forms::in_level;
@@ -417,7 +417,7 @@ impl Plan {
         if detail.billboard > 0 && specimen.wanted.surface {
             let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
-            scenes.push(billboard(&scenes[0], &how, &held)?);
+            scenes.push(kept_billboard(&scenes[0], how, specimen.drawn, &held)?);
         }
         Ok(with_coverage(scenes, detail))
     }

@@ -132,6 +132,18 @@ impl DrawnPictures {
     }
 }
 
+impl DrawnPictures {
+    /// The same of a billboard.
+    pub(crate) fn billboard<E>(
+        &self,
+        decided_by: impl FnOnce() -> PictureKey,
+        monitor: &dyn Monitor,
+        draw: impl FnOnce() -> Result<CardPictures, E>,
+    ) -> Result<CardPictures, E> {
+        self.album.get_by("billboard", decided_by, monitor, draw)
+    }
+}
+
 /// What is made of a picture: normals that follow it to a depth, moss on it.
 #[derive(Clone, Debug)]
 struct Made<H> {

@@ -15,13 +15,15 @@ use glam::{Vec2, Vec3};
 
 use super::drawing::{
     self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pile, Pixels, Resolved, SAMPLES, Texture, View,
-    light_within, mean,
+    key_of_mesh, light_within, look_of, mean,
 };
 use crate::foliage::DressedOrgans;
 use crate::scene::{Material, Part, Scene, Wrap};
+use crate::texture::DrawnPictures;
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::mesh::{Bounds, Mesh};
 use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::picture::{Picture, PictureKey};
 
 /// How the planes are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,6 +69,16 @@ const ROUGHNESS: f32 = 0.9;
 /// # Errors
 /// [`BillboardError`]: memory, or cancelled.
 pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Result<Scene, BillboardError> {
+    kept_billboard(scene, *how, &DrawnPictures::new(0), monitor)
+}
+
+/// The same with pictures that are not drawn again where they are `drawn` already.
+pub(super) fn kept_billboard(
+    scene: &Scene,
+    how: Billboard,
+    drawn: &DrawnPictures,
+    monitor: &dyn Monitor,
+) -> Result<Scene, BillboardError> {
     let planes = how.planes.clamp(1, 4);
     let vertices = || scene.parts.iter().flat_map(|part| &part.mesh.positions).copied();
     let bounds = Bounds::of(vertices()).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
@@ -80,6 +92,49 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         + scene.materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing the billboard", scene.bytes() + bytes, "lower billboard_size")?;
 
+    let decided_by = || decided_by(scene, &frames, &sheet, foot);
+    let [color, normal, passing] =
+        drawn.billboard(decided_by, monitor, || draw(scene, &frames, &sheet, foot, monitor))?;
+    // Mostly of leaves, where there are any.
+    let translucency = scene.materials.iter().find_map(|material| material.translucency);
+    let material = Material {
+        name: "billboard".to_owned(),
+        base_color: mean(&color),
+        base_color_picture: Some(color),
+        normal_picture: Some(normal),
+        roughness: ROUGHNESS,
+        double_sided: false,
+        cutout: Some(CUTOUT),
+        wrap: Wrap::Clamp,
+        translucency,
+        passing_picture: translucency.map(|_| passing),
+    };
+    Ok(Scene {
+        name: scene.name.clone(),
+        recipe: scene.recipe.clone(),
+        materials: vec![material],
+        parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
+        skeleton: Arc::clone(&scene.skeleton),
+        organs: DressedOrgans::default(),
+        foot_in_file: scene.foot_in_file,
+    })
+}
+
+/// All that is seen on the planes: a key of it.
+fn decided_by(scene: &Scene, frames: &[Frame], sheet: &Sheet, foot: Vec3) -> PictureKey {
+    let parts: Vec<_> = scene.parts.iter().map(|part| (part.material, key_of_mesh(&part.mesh))).collect();
+    let looks: Vec<_> = scene.materials.iter().map(look_of).collect();
+    PictureKey::of(&[format!("{parts:?} {looks:?} {frames:?} {sheet:?} {foot:?}").as_bytes()])
+}
+
+/// Draws colours, normals and what passes.
+fn draw(
+    scene: &Scene,
+    frames: &[Frame],
+    sheet: &Sheet,
+    foot: Vec3,
+    monitor: &dyn Monitor,
+) -> Result<[Arc<Picture>; 3], BillboardError> {
     let textures: Vec<Option<Texture>> = scene.materials.iter().map(Texture::of).collect();
     let mut drawn = Canvas::new(sheet.size.times(SAMPLES));
     for (frame, cell) in frames.iter().zip(&sheet.cells) {
@@ -108,32 +163,11 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
     pile.lay(&resolved, Pixels::new(0, 0), Vec3::ONE - SHADE_SHARE * lost);
     drop(drawn);
     let Finished { color, normal, passing } = pile.finish(CUTOUT, false, monitor)?;
-    // Mostly of leaves, where there are any.
-    let translucency = scene.materials.iter().find_map(|material| material.translucency);
-    let material = Material {
-        name: "billboard".to_owned(),
-        base_color: mean(&color),
-        base_color_picture: Some(Arc::new(color)),
-        normal_picture: Some(Arc::new(normal)),
-        roughness: ROUGHNESS,
-        double_sided: false,
-        cutout: Some(CUTOUT),
-        wrap: Wrap::Clamp,
-        translucency,
-        passing_picture: translucency.map(|_| Arc::new(passing)),
-    };
-    Ok(Scene {
-        name: scene.name.clone(),
-        recipe: scene.recipe.clone(),
-        materials: vec![material],
-        parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
-        skeleton: Arc::clone(&scene.skeleton),
-        organs: DressedOrgans::default(),
-        foot_in_file: scene.foot_in_file,
-    })
+    Ok([color, normal, passing].map(Arc::new))
 }
 
 /// An upright plane, and what it must hold.
+#[derive(Debug)]
 struct Frame {
     right: Vec3,
     /// Unit vector: from the tree to its viewer.
@@ -158,6 +192,7 @@ impl Frame {
 }
 
 /// Where the planes' pictures lie in the common one.
+#[derive(Debug)]
 struct Sheet {
     size: Pixels,
     cells: Vec<Cell>,
@@ -165,6 +200,7 @@ struct Sheet {
     texel_m: f32,
 }
 
+#[derive(Debug)]
 struct Cell {
     first: Pixels,
     size: Pixels,

@@ -1,9 +1,12 @@
+use std::collections::BTreeMap;
+use std::sync::Mutex;
+
 use glam::{Vec2, Vec3};
 
 use super::*;
 use crate::testing::plain;
 use linden_base::monitor::Quiet;
-use linden_base::picture::Picture;
+use linden_base::picture::{Picture, PictureStore};
 use linden_skeleton::Skeleton;
 
 fn scene(materials: Vec<Material>, meshes: Vec<Mesh>) -> Scene {
@@ -215,5 +218,73 @@ fn what_a_picture_cuts_out_is_cut_out_there_too() {
                 assert_eq!(pixel[3] > 127, x > width / 2, "{x} {y}");
             }
         }
+    }
+}
+
+/// Entries, and how often one was put.
+#[derive(Debug, Default)]
+struct Memory(Mutex<(BTreeMap<PictureKey, Vec<u8>>, usize)>);
+
+impl PictureStore for Memory {
+    fn get(&self, key: PictureKey) -> Option<Vec<u8>> {
+        self.0.lock().unwrap().0.get(&key).cloned()
+    }
+
+    fn put(&self, key: PictureKey, parts: &[&[u8]]) {
+        let mut kept = self.0.lock().unwrap();
+        kept.0.insert(key, parts.concat());
+        kept.1 += 1;
+    }
+}
+
+#[test]
+fn what_was_drawn_is_taken_from_a_store_until_something_seen_on_it_differs() {
+    let store = Arc::new(Memory::default());
+    let puts = || store.0.lock().unwrap().1;
+    let drawn = DrawnPictures::default().kept_in(store.clone());
+    let square = rectangle(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
+    let how = Billboard { planes: 1, size_px: 64 };
+    let of = |material: &Material, mesh: &Mesh| scene(vec![material.clone()], vec![mesh.clone()]);
+    let pictures = |scene: &Scene| scene.materials[0].pictures().cloned().collect::<Vec<_>>();
+    let gray = plain([0.5; 3], true);
+    let plain_scene = of(&gray, &square);
+    let expected = billboard(&plain_scene, &how, &Quiet).unwrap();
+    for _ in 0..2 {
+        let seen = kept_billboard(&plain_scene, how, &drawn, &Quiet).unwrap();
+        assert_eq!((pictures(&seen), puts()), (pictures(&expected), 3));
+        assert_eq!(seen.parts[0].mesh, expected.parts[0].mesh);
+        assert_eq!(seen.materials[0].base_color, expected.materials[0].base_color);
+    }
+    let moved = |change: fn(&mut Mesh)| {
+        let mut mesh = square.clone();
+        change(&mut mesh);
+        of(&gray, &mesh)
+    };
+    let worn = |change: fn(&mut Material)| {
+        let mut material = gray.clone();
+        change(&mut material);
+        of(&material, &square)
+    };
+    let picture = |byte| Some(Arc::new(Picture::new(1, 1, vec![byte, 0, 0, 255])));
+    let mut pictured = gray.clone();
+    pictured.base_color_picture = picture(7);
+    let mut other = gray.clone();
+    other.base_color_picture = picture(8);
+    let others = [
+        (moved(|mesh| mesh.positions[0].z = 0.01), how),
+        (moved(|mesh| mesh.normals[0] = Vec3::Y), how),
+        (moved(|mesh| mesh.uvs[0].x += 0.01), how),
+        (moved(|mesh| mesh.triangles.truncate(1)), how),
+        (worn(|material| material.base_color[1] = 0.6), how),
+        (worn(|material| material.double_sided = false), how),
+        (worn(|material| material.cutout = Some(0.5)), how),
+        (of(&pictured, &square), how),
+        (of(&other, &square), how),
+        (of(&gray, &square), Billboard { planes: 2, ..how }),
+        (of(&gray, &square), Billboard { size_px: 80, ..how }),
+    ];
+    for (index, (scene, how)) in others.iter().enumerate() {
+        kept_billboard(scene, *how, &drawn, &Quiet).unwrap();
+        assert_eq!(puts(), 3 * (index + 2), "{index}");
     }
 }

@@ -18,7 +18,7 @@ use super::sight::{Plane, Sight};
 use crate::detail::DetailError;
 use crate::detail::drawing::{
     self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pile, Pixels, Resolved, SAMPLES, Texture, View,
-    light_within,
+    key_of_mesh, light_within, look_of,
 };
 use crate::dress::Wardrobe;
 use crate::foliage::Cover;
@@ -165,24 +165,11 @@ impl Painter<'_> {
 
 /// All that is seen on the cards: a key of it.
 fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px: u32) -> PictureKey {
-    let bytes_of_mesh = |mesh: &Mesh| {
-        let Mesh { positions, normals, uvs, triangles } = mesh;
-        let [positions, normals] = [positions, normals].map(|of| bytemuck::cast_slice(of));
-        PictureKey::of(&[positions, normals, bytemuck::cast_slice(uvs), bytemuck::cast_slice(triangles)])
-            .to_bytes()
-    };
     let parts: Vec<Vec<(usize, [u8; 16])>> = drawn
         .par_iter()
-        .map(|model| model.parts.iter().map(|(material, mesh)| (*material, bytes_of_mesh(mesh))).collect())
+        .map(|model| model.parts.iter().map(|(material, mesh)| (*material, key_of_mesh(mesh))).collect())
         .collect();
-    let looks: Vec<_> = materials
-        .iter()
-        .map(|material| {
-            let pictures = [&material.base_color_picture, &material.normal_picture];
-            let pictures = pictures.map(|picture| picture.as_ref().map(|picture| picture.content()));
-            (Material { base_color_picture: None, normal_picture: None, ..material.clone() }, pictures)
-        })
-        .collect();
+    let looks: Vec<_> = materials.iter().map(look_of).collect();
     let shades: Vec<f32> = drawn.iter().map(|model| model.shade_share).collect();
     PictureKey::of(&[format!("{size_px} {parts:?} {sights:?} {looks:?} {shades:?}").as_bytes()])
 }

@@ -6,9 +6,13 @@ mod light;
 mod raster;
 mod texture;
 
+use std::fmt::Debug;
+
 use glam::{Vec2, Vec3};
 
-use linden_base::picture::Picture;
+use crate::scene::Material;
+use linden_base::mesh::Mesh;
+use linden_base::picture::{Picture, PictureKey};
 
 pub(super) use finish::{Finished, Pile, Plane, Resolved};
 pub(super) use light::light_within;
@@ -45,6 +49,28 @@ impl Pixels {
     pub const fn area(self) -> usize {
         self.x as usize * self.y as usize
     }
+}
+
+/// A key of all that is drawn of a mesh.
+pub(super) fn key_of_mesh(mesh: &Mesh) -> [u8; 16] {
+    let Mesh { positions, normals, uvs, triangles } = mesh;
+    let [positions, normals] = [positions, normals].map(|of| bytemuck::cast_slice(of));
+    PictureKey::of(&[positions, normals, bytemuck::cast_slice(uvs), bytemuck::cast_slice(triangles)])
+        .to_bytes()
+}
+
+/// All that decides how a material looks: its pictures by what they hold.
+pub(super) fn look_of(material: &Material) -> impl Debug {
+    let Material { base_color_picture, normal_picture, passing_picture, .. } = material;
+    let pictures = [base_color_picture, normal_picture, passing_picture];
+    let pictures = pictures.map(|picture| picture.as_ref().map(|picture| picture.content()));
+    let plain = Material {
+        base_color_picture: None,
+        normal_picture: None,
+        passing_picture: None,
+        ..material.clone()
+    };
+    (plain, pictures)
 }
 
 /// The mean of what is not cut out, linear.
