@@ -23,6 +23,7 @@ mod knob;
 mod lint;
 mod list;
 mod man;
+mod optional;
 mod outputs;
 mod placing;
 mod plot;
@@ -47,6 +48,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Styles};
+use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use linden::Monitor;
 use linden::dress::grow_and_draw;
@@ -462,7 +464,7 @@ fn tell_what_takes_a_source(error: &mut clap::Error) {
 
 /// Says what a flag that the command does not have is called here, or which commands have it.
 fn tell_what_is_meant(error: &mut clap::Error) {
-    use clap::error::{ContextKind, ContextValue, ErrorKind};
+    use clap::error::{ContextKind, ContextValue};
     if error.kind() != ErrorKind::UnknownArgument {
         return;
     }
@@ -490,15 +492,48 @@ fn tell_what_is_meant(error: &mut clap::Error) {
     }
 }
 
+/// Parses the command line, sources apart from options that would take them for their value.
+fn parse() -> Result<Cli, clap::Error> {
+    let typed: Vec<_> = std::env::args_os().collect();
+    if !optional::are_among(&typed) {
+        return Cli::try_parse_from(typed);
+    }
+    let program = Cli::command();
+    let parse = |taking| Cli::try_parse_from(optional::apart(&program, typed.clone(), taking));
+    parse(optional::Taking::Unlike).or_else(|error| match error.kind() {
+        ErrorKind::MissingRequiredArgument => parse(optional::Taking::All).map_err(|_| error),
+        _ => Err(error),
+    })
+}
+
+/// Where a source is missing, says which option took a word that may have been meant for one.
+fn tell_what_took_a_source(error: &mut clap::Error) {
+    use clap::error::{ContextKind, ContextValue};
+    if error.kind() != ErrorKind::MissingRequiredArgument {
+        return;
+    }
+    let Some(ContextValue::Strings(missing)) = error.get(ContextKind::InvalidArg) else { return };
+    if !missing.iter().any(|argument| argument.starts_with('<')) {
+        return;
+    }
+    let arguments: Vec<_> = std::env::args_os().collect();
+    let Some((option, word)) = optional::taken(&Cli::command(), &arguments) else { return };
+    let tip = format!(
+        "'{word}' is taken for the value of {option}; a source stands before it, or a value behind '=': {option}=VALUE"
+    );
+    error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+}
+
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
     crate::system::outlive_file_limits();
     completions::answer(Cli::command);
-    let mut cli = match Cli::try_parse() {
+    let mut cli = match parse() {
         Ok(cli) => cli,
         Err(mut error) => {
             tell_what_takes_a_source(&mut error);
             tell_what_is_meant(&mut error);
+            tell_what_took_a_source(&mut error);
             // Help and version go to standard output with 0, mistakes to standard error with 2.
             let code = u8::try_from(error.exit_code()).unwrap_or(2);
             let _ = error.print();
