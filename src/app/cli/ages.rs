@@ -14,10 +14,7 @@ const UNNAMED: &str = "at";
 /// # Errors
 /// As [`aged`]; several.
 pub fn at(source: &Source, age: &str, turned: &[(String, String)]) -> anyhow::Result<Source> {
-    // A share by itself needs no name where there is no file to name.
-    let age = age.trim();
-    let list = if age.parse::<f64>().is_ok() { format!("{UNNAMED}={age}") } else { age.to_owned() };
-    let mut ages = of_flag(source, "--age", &list, turned)?;
+    let mut ages = of_flag(source, "--age", &with_name(age), turned)?;
     match ages.pop() {
         Some((_, aged)) if ages.is_empty() => Ok(aged),
         _ => Err(usage(format!("--age {}: expected one age; --ages takes several", printable(age)))),
@@ -46,6 +43,24 @@ pub fn ensure_one_age(flag: &str, turned: &[(String, String)]) -> anyhow::Result
     }
 }
 
+/// A preset at the one age that `name` names; `key` is where that stands.
+///
+/// # Errors
+/// As [`aged`]; several.
+pub fn preset_at(preset: &Preset, key: &str, name: &str) -> anyhow::Result<Preset> {
+    let ages = listed(preset, key, &with_name(name))?;
+    match ages.as_slice() {
+        [age] => Ok(preset.at_age(age)?),
+        _ => Err(usage(format!("{key} {}: expected one age", printable(name)))),
+    }
+}
+
+/// A share by itself needs no name where there is no file to name.
+fn with_name(age: &str) -> String {
+    let age = age.trim();
+    if age.parse::<f64>().is_ok() { format!("{UNNAMED}={age}") } else { age.to_owned() }
+}
+
 /// What is meant by a number that is too large for a share: an end for the message.
 fn or_years(preset: &Preset, list: &str) -> String {
     let share = list.rsplit('=').next().unwrap_or_default();
@@ -59,6 +74,16 @@ fn or_years(preset: &Preset, list: &str) -> String {
     }
 }
 
+/// The ages of a list that stands behind a flag or a key.
+fn listed(preset: &Preset, flag: &str, list: &str) -> anyhow::Result<Vec<Age>> {
+    preset.ages_of(list).map_err(|error| match error {
+        AgeError::Knob { name, problem } if name == UNNAMED => {
+            usage(format!("{flag} {problem}{}", or_years(preset, list)))
+        }
+        error => usage(format!("{flag}: {error}")),
+    })
+}
+
 fn of_flag(
     source: &Source,
     flag: &str,
@@ -67,12 +92,7 @@ fn of_flag(
 ) -> anyhow::Result<Vec<(String, Source)>> {
     ensure_one_age(flag, turned)?;
     let preset = &source.recipe.preset;
-    let ages = preset.ages_of(list).map_err(|error| match error {
-        AgeError::Knob { name, problem } if name == UNNAMED => {
-            usage(format!("{flag} {problem}{}", or_years(preset, list)))
-        }
-        error => usage(format!("{flag}: {error}")),
-    })?;
+    let ages = listed(preset, flag, list)?;
     let at = |age: &Age| {
         let mut aged = source.clone();
         aged.recipe.preset = preset.at_age(age)?;

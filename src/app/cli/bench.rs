@@ -128,6 +128,7 @@ impl Bench {
         let kind = TreeKind {
             source: source.to_owned(),
             formats: Vec::new(),
+            ages: Vec::new(),
             seeds: Some(Seeds::Range(1, SEEDS)),
             samples: 1,
             sampling: Sampling::default(),

@@ -16,7 +16,8 @@ const TREES: List = List { key: "trees", heading: "[[trees]]", one: "kind", most
 const KEYS: [&str; 4] = ["formats", "options", "seed", "trees"];
 
 /// What a kind of trees may say.
-const TREE_KEYS: [&str; 8] = ["source", "seeds", "seed", "set", "define", "formats", "samples", "sampling"];
+const TREE_KEYS: [&str; 9] =
+    ["source", "seeds", "seed", "ages", "set", "define", "formats", "samples", "sampling"];
 
 /// The most samples of a kind.
 const MOST_SAMPLES: u64 = 100_000_000;
@@ -92,6 +93,7 @@ fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Tr
         source: String::new(),
         formats: Vec::new(),
         seeds: None,
+        ages: Vec::new(),
         samples: 1,
         sampling: Sampling::default(),
         set: Vec::new(),
@@ -103,6 +105,7 @@ fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Tr
             "formats" => kind.formats = texts(entry)?,
             "seed" => kind.seeds = Some(Seeds::List(vec![whole(entry, 0, u64::MAX)?])),
             "seeds" => kind.seeds = Some(seeds(entry)?),
+            "ages" => kind.ages = ages(entry)?,
             "samples" => kind.samples = whole(entry, 1, MOST_SAMPLES)?,
             "sampling" => {
                 let word = entry.node.text("sampling")?;
@@ -183,6 +186,23 @@ fn texts(entry: &Entry) -> Result<Vec<String>, Fault> {
     let texts: Vec<String> = texts.collect::<Result<_, Fault>>()?;
     distinct(&entry.key, nodes, &texts)?;
     Ok(texts)
+}
+
+/// Ages as `--age` names one: names, shares and years.
+fn ages(entry: &Entry) -> Result<Vec<String>, Fault> {
+    const EXPECTED: &str = "a list of ages like [\"young\", \"half=0.5\", \"10y\"]";
+    let nodes = match &entry.node.datum {
+        Datum::List(nodes) if !nodes.is_empty() => nodes,
+        _ => return Err(entry.node.mismatch("ages", EXPECTED)),
+    };
+    let ages: Vec<String> = nodes.iter().map(|node| scalar_of("ages", node)).collect::<Result<_, _>>()?;
+    // How many these are says the source, whose files may be others by the time that a part is grown.
+    if let Some(at) = ages.iter().position(|age| age.trim() == "all" || age.contains(',')) {
+        let message = format!("'ages': '{}' is not one age; name each: {EXPECTED}", excerpt(&ages[at]));
+        return Err(Fault::new(nodes[at].place, message));
+    }
+    distinct("ages", nodes, &ages)?;
+    Ok(ages)
 }
 
 /// Refuses what stands twice in a list; more trees of a seed with values that are drawn are `samples`.
@@ -294,6 +314,37 @@ mod tests {
         assert_eq!(other.len(), 112);
         for number in 0..12 {
             assert_eq!(one.item(4 + number).unwrap().set, other.item(100 + number).unwrap().set);
+        }
+    }
+
+    #[test]
+    fn each_tree_is_grown_at_all_ages_with_the_same_draws() {
+        let aged = MANIFEST.replace("sampling = ", "ages = [\"young\", 0.5, \"10y\"]\nsampling = ");
+        let (plain, aged) = (Manifest::parse(MANIFEST).unwrap(), Manifest::parse(&aged).unwrap());
+        assert_eq!(aged.len(), 4 + 3 * 12);
+        assert_eq!(aged.item(3).unwrap().age, None);
+        for number in 0..12 {
+            let tree = plain.item(4 + number).unwrap();
+            for (at, age) in ["young", "0.5", "10y"].into_iter().enumerate() {
+                let item = aged.item(4 + 3 * number + at).unwrap();
+                assert_eq!(
+                    (item.age, item.set, item.define),
+                    (Some(age), tree.set.clone(), tree.define.clone())
+                );
+            }
+        }
+        let line = "{\"source\": \"oak\", \"ages\": [\"young\", \"half=0.5\"], \"formats\": [\"glb\"]}";
+        assert_eq!(Manifest::parse(line).unwrap().len(), 2);
+        for (ages, expected) in [
+            ("[]", "a list of ages like"),
+            ("\"young\"", "a list of ages like"),
+            ("[\"young\", \"young\"]", "4:18: 'ages' has young twice"),
+            ("[\"young\", \"all\"]", "4:18: 'ages': 'all' is not one age; name each"),
+            ("[\"young,10y\"]", "'young,10y' is not one age"),
+        ] {
+            let text = format!("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nages = {ages}\n");
+            let said = Manifest::parse(&text).unwrap_err().to_string();
+            assert!(said.contains(expected), "{ages}: {said}");
         }
     }
 

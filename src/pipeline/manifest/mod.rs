@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Items are numbered from 0, in the order of the document: its `[[trees]]`, within these the product of all lists
-//! (the last knob's values fastest), then `samples`, then seeds. The same number is the same tree in whatever parts a
+//! (the last knob's values fastest), then `samples`, then seeds, then ages. The same number is the same tree in whatever parts a
 //! manifest is worked on. What is drawn is drawn with a key of the item's place in its own `[[trees]]`, so that trees
 //! that are added before or behind change nothing.
 
@@ -53,6 +53,8 @@ pub struct TreeKind {
     pub formats: Vec<String>,
     /// The first seed and how many there are; `None`: the source's own.
     pub seeds: Option<Seeds>,
+    /// Ages at which each tree is grown, as `--age` names one; empty: the source's.
+    pub ages: Vec<String>,
     /// How many trees of each combination, with other draws.
     pub samples: u64,
     /// How values are drawn over the samples.
@@ -113,6 +115,8 @@ pub struct Item<'a> {
     pub formats: &'a [String],
     /// `None`: the source's own.
     pub seed: Option<u64>,
+    /// Its age, as `--age` names one; `None`: the source's.
+    pub age: Option<&'a str>,
     /// Knobs and values.
     pub set: Vec<(&'a str, String)>,
     /// Constants of the grammar and values.
@@ -144,7 +148,8 @@ impl TreeKind {
             Values::Each(values) => values.len(),
             Values::Drawn(_) => 1,
         });
-        lists.fold(seeds.saturating_mul(samples), usize::saturating_mul)
+        let trees = lists.fold(seeds.saturating_mul(samples), usize::saturating_mul);
+        trees.saturating_mul(self.ages.len().max(1))
     }
 
     fn varied(&self) -> impl DoubleEndedIterator<Item = &Varied> {
@@ -153,6 +158,8 @@ impl TreeKind {
 
     /// The tree at a place of this kind.
     fn item(&self, place: usize, number: usize, key: Key) -> Item<'_> {
+        // All ages of a tree have the same draws, which are those without ages.
+        let (place, age) = (place / self.ages.len().max(1), place % self.ages.len().max(1));
         let seeds = self.seeds.as_ref().map_or(1, Seeds::len);
         let (rest, seed) = (place / seeds, place % seeds);
         let (mut rest, sample) = (rest / self.samples as usize, rest % self.samples as usize);
@@ -192,6 +199,7 @@ impl TreeKind {
             source: &self.source,
             formats: &self.formats,
             seed: self.seeds.as_ref().map(|seeds| seeds.at(seed)),
+            age: self.ages.get(age).map(String::as_str),
             set: self.set.iter().map(|varied| varied.name.as_str()).zip(values).collect(),
             define: self.define.iter().map(|varied| varied.name.as_str()).zip(define).collect(),
         }

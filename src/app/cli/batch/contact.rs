@@ -124,8 +124,9 @@ impl<'a> Varied<'a> {
     }
 
     fn label(&self, row: &Row) -> Vec<String> {
+        let age = row.age.as_ref().map(|age| format!(" {age}")).unwrap_or_default();
         let mut lines =
-            vec![printable(&format!("{} {}", row.index, row.source)), format!("seed {}", row.seed)];
+            vec![printable(&format!("{} {}{age}", row.index, row.source)), format!("seed {}", row.seed)];
         let mut varied: Vec<String> = values(row)
             .filter(|(name, _)| self.0.contains(name))
             .map(|(name, value)| printable(&format!("{name} {value}")))

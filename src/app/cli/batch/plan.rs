@@ -14,11 +14,12 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use super::thumbnail::Thumbnail;
 use crate::cache;
+use crate::cli::ages;
 use crate::cli::crew::room_for_pictures;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::progress::Progress;
-use crate::source::{self, Source};
+use crate::source::{self, OF_AGE, Source};
 
 /// The most trees of one manifest.
 const MOST: usize = 10_000_000;
@@ -37,6 +38,7 @@ pub struct Tree {
     /// Its number, from 0.
     pub index: usize,
     pub source: String,
+    pub age: Option<String>,
     pub set: BTreeMap<String, String>,
     pub define: BTreeMap<String, String>,
     pub recipe: Recipe,
@@ -93,13 +95,13 @@ impl Plan {
             let (shown, trees) = (path.map_or_else(String::new, |path| show(path) + ": "), plan.len());
             return Err(usage(format!("{shown}{trees} trees are more than {MOST}; divide the manifest")));
         }
-        // A mistake in a knob is found before anything grows.
+        // A mistake in a knob or an age is found before anything grows.
         let mut first = 0;
-        for kind in 0..plan.manifest.trees.len() {
-            if plan.manifest.trees.len() <= 1000 || kind == 0 {
-                plan.tree(first)?;
+        for (number, kind) in plan.manifest.trees.iter().enumerate() {
+            if plan.manifest.trees.len() <= 1000 || number == 0 {
+                (0..kind.ages.len().max(1)).try_for_each(|age| plan.tree(first + age).map(drop))?;
             }
-            first += plan.manifest.trees[kind].count();
+            first += kind.count();
         }
         Ok(plan)
     }
@@ -145,6 +147,13 @@ impl Plan {
         for (name, value) in &item.define {
             recipe.preset.define(name, value).map_err(usage).with_context(naming)?;
         }
+        if let Some(age) = item.age {
+            if let Some((knob, _)) = item.set.iter().find(|(name, _)| OF_AGE.contains(name)) {
+                let message = format!("'{knob}' of 'set' and 'ages' both say how old it is: leave one out");
+                return Err(usage(message)).with_context(naming);
+            }
+            recipe.preset = ages::preset_at(&recipe.preset, "ages", age).with_context(naming)?;
+        }
         for (name, value) in &item.set {
             recipe.preset.set(name, value).map_err(usage).with_context(naming)?;
         }
@@ -171,6 +180,7 @@ impl Plan {
         Ok(Tree {
             index: number,
             source: item.source.to_owned(),
+            age: item.age.map(str::to_owned),
             set: owned(&item.set),
             define: owned(&item.define),
             outputs: outputs.collect::<anyhow::Result<_>>()?,

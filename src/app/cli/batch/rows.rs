@@ -23,6 +23,9 @@ pub struct Row {
     pub index: usize,
     pub source: String,
     pub seed: u64,
+    /// As the manifest names it; none where it names none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub age: Option<String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub set: BTreeMap<String, String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -75,6 +78,7 @@ impl Row {
             index: tree.index,
             source: tree.source.clone(),
             seed: tree.recipe.preset.seed(),
+            age: tree.age.clone(),
             set: tree.set.clone(),
             define: tree.define.clone(),
             key: key(tree),
