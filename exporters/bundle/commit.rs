@@ -28,6 +28,9 @@ pub struct Written {
     pub path: PathBuf,
     /// How long it is.
     pub bytes: u64,
+    /// Whether it was left alone because it was there with the same bytes: [`Bundle::sparing_same`], and pictures that many
+    /// exports share.
+    pub kept: bool,
 }
 
 /// Checks that no two bundles have the same main file: worth doing before a tree is grown.
@@ -103,13 +106,14 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
                 let source = io::Error::other("its writer has not finished");
                 return Err(staged.location.failed("placing", source));
             }
-            if spares_same && is_there(system, staged) {
+            let kept = spares_same && is_there(system, staged);
+            if kept {
                 stay.insert(compared(staged.location.path()));
             } else if is_synced {
                 staged.sync().map_err(|source| staged.location.failed("syncing", source))?;
                 folders.entry(staged.location.folder.clone()).or_insert_with(|| staged.location.clone());
             }
-            written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes });
+            written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes, kept });
         }
         written.extend(there);
         for side in side_files {

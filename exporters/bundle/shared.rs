@@ -113,7 +113,7 @@ impl Bundle {
         let is_there =
             again(|| self.system.metadata(&location.path())).is_ok_and(|there| there.len() == length);
         if is_there {
-            files.there.push(Written { path: location.shown_path(), bytes: length });
+            files.there.push(Written { path: location.shown_path(), bytes: length, kept: true });
         } else {
             sweep(self.system, &location.folder);
             let mut picture = Staged::create(self.system, location)?;

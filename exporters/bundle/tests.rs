@@ -48,7 +48,11 @@ fn committed_files_are_there_and_nothing_else() {
     let written = bundle.commit().unwrap();
     assert_eq!(
         written,
-        [("fir.obj", 4), ("fir.mtl", 8)].map(|(name, bytes)| Written { path: dir.path().join(name), bytes })
+        [("fir.obj", 4), ("fir.mtl", 8)].map(|(name, bytes)| Written {
+            path: dir.path().join(name),
+            bytes,
+            kept: false
+        })
     );
     assert_eq!(listing(dir.path()), pairs([("fir.mtl", "material"), ("fir.obj", "mesh")]));
 }
@@ -151,7 +155,7 @@ fn a_folder_of_pictures_holds_each_once_whoever_writes_it() {
     let made = fs::metadata(&there).unwrap().modified().unwrap();
     // The same again is listed and left alone, another is another.
     let (two, listed) = write("two.obj", b"bark");
-    assert_eq!((&two, &listed[1]), (&one, picture));
+    assert_eq!((&two, &listed[1]), (&one, &Written { kept: true, ..picture.clone() }));
     assert_eq!(fs::metadata(&there).unwrap().modified().unwrap(), made);
     let (three, _) = write("three.obj", b"birch");
     assert_ne!(three, one);
@@ -537,16 +541,20 @@ fn files_with_the_same_bytes_stay_where_that_is_asked_for() {
         let mut bundle = if spares { bundle.sparing_same() } else { bundle };
         fill(&mut bundle, mesh).unwrap();
         side(&mut bundle, ".mtl", material);
-        let written: Vec<u64> = bundle.commit().unwrap().iter().map(|file| file.bytes).collect();
+        let written = bundle.commit().unwrap();
+        let kept: Vec<bool> = written.iter().map(|file| file.kept).collect();
+        let written: Vec<u64> = written.iter().map(|file| file.bytes).collect();
         assert_eq!(written, [mesh.len() as u64, material.len() as u64], "files are listed, written or not");
         // A time that no write gives.
         let old = std::time::SystemTime::UNIX_EPOCH;
-        [&target, &dir.path().join("fir.mtl")].map(|path| {
+        let stayed = [&target, &dir.path().join("fir.mtl")].map(|path| {
             let file = fs::File::options().append(true).open(path).unwrap();
             let is_old = file.metadata().unwrap().modified().unwrap() == old;
             file.set_modified(old).unwrap();
             is_old
-        })
+        });
+        assert_eq!(kept, stayed, "what stayed is said");
+        stayed
     };
     assert_eq!(write("mesh", "material", true), [false, false], "there was nothing");
     assert_eq!(write("mesh", "material", true), [true, true]);

@@ -115,7 +115,6 @@ fn what_is_no_age_is_refused() {
         (&["stats", "simple", "--ages"], "names none"),
         (&["export", "shrub.toml", "--ages", "-o", "-", "--format", "obj"], "a stream holds one age"),
         (&["export", "shrub.toml", "simple", "--ages", "-o", "a.glb"], "for one source"),
-        (&["export", "shrub.toml", "--ages", "--timings", "-o", "a.glb"], "for one age"),
         (&["open", "shrub.toml", "--age", "young"], "turn the knob age there"),
     ] {
         let said = folder.run(args);

@@ -33,6 +33,7 @@ mod program;
 mod provenance;
 mod reading;
 mod reference;
+mod reports;
 mod same_wood;
 mod scan;
 mod seasons;

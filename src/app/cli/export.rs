@@ -16,11 +16,11 @@ use linden_exporters::{Batch, Exporter, REGISTRY};
 use super::ages::aged;
 use super::crew::room_for_pictures;
 use super::forest::{Written, side_by_side};
-use super::outputs::{Files, Outputs, commit, list_with, of_age, write_age};
+use super::outputs::{Files, Outputs, commit, of_age, write_age};
 use super::placing::explained;
 use super::plot::{Plot, USUAL_FORMAT};
 use super::scene::SceneFlags;
-use super::timings::Timings;
+use super::timings::{File, Subject, Telling, Timings};
 use super::{GrowArgs, complete};
 use crate::cache;
 use crate::exit::usage;
@@ -68,22 +68,15 @@ pub struct Export {
     #[command(flatten)]
     scene: SceneFlags,
 
-    /// Say what each step took, with threads, bytes and memory, on standard error
-    #[arg(long)]
-    timings: bool,
-
-    /// The files, and what each step took, on standard output, machine-readable, in place of the list of files
-    #[arg(long)]
-    json: bool,
+    #[command(flatten)]
+    telling: Telling,
 }
 
 /// Names and values.
 type Pairs = Vec<(String, String)>;
 
 impl Export {
-    pub fn run(mut self) -> anyhow::Result<()> {
-        // They are in it.
-        self.timings |= self.json;
+    pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         let mut timings = Timings::new();
         let (settings, of_formats) = self.pairs()?;
@@ -92,14 +85,14 @@ impl Export {
             Some(list) => Season::parse_list(list).map_err(usage)?,
         };
         if !self.further.is_empty() {
-            return self.several(&settings, &of_formats, &progress);
+            return self.several(&settings, &of_formats, timings, &progress);
         }
         let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         if self.outputs.folder().is_some() {
             let Recipe { preset, inputs, .. } = &source.recipe;
             let trees = preset.trees(inputs, &progress).with_context(|| source.shown.clone())?;
             if let Some(trees) = trees {
-                return self.plot(source, trees, &settings, &of_formats, &progress);
+                return self.plot(source, trees, &settings, &of_formats, timings, &progress);
             }
         }
         let id = &source.recipe.preset.id;
@@ -111,9 +104,6 @@ impl Export {
             }
             None => Vec::new(),
         };
-        if self.timings && !ages.is_empty() {
-            return Err(usage("--timings and --json are for one age: turn it with --set age=0.5"));
-        }
         let seasons = self.distinct(
             seasons,
             std::iter::once(&source).chain(ages.iter().map(|(_, aged)| aged)),
@@ -124,9 +114,7 @@ impl Export {
         let files = Files { levels, seasons: &seasons, ages: &names };
         let mut batch = self.outputs.open(id, &command, &of_formats, files, source.files.clone())?;
         let streams = batch.streams();
-        if self.json && streams > 0 {
-            return Err(usage("--json: the file itself is on standard output; write it with -o FILE"));
-        }
+        self.telling.ensure_free(streams)?;
         // Each age has its own triangles.
         let is_one = names.is_empty();
         timings.lap("read");
@@ -141,21 +129,16 @@ impl Export {
                 made.write(Some(&name), source, &mut batch, &mut timings, &progress)?;
             }
             batch.gather(&progress).map_err(explained)?;
+            timings.lap("gather");
         }
         let has_surface = batch.formats().iter().any(|(format, _)| format.holds.surface);
         let written = commit(batch, &progress)?;
         timings.lap("commit");
-        if self.timings && !self.json {
-            crate::exit::say(timings.table(&source.shown, &written).trim_end());
-        }
         // Where some number of them was asked for.
         let is_asked = is_one && has_surface && !source.recipe.preset.dressing.detail.is_whole();
         let triangles = triangles::told(timings.triangles()).filter(|_| is_asked);
-        match (self.json, streams) {
-            (true, _) => super::print(&timings.json(&source.shown, &written)?),
-            (false, 0) => list_with(&written, triangles.as_deref()),
-            (false, _) => Ok(()),
-        }
+        let subject = Subject::of([source.shown]);
+        self.telling.tell(&timings, &subject, &File::all(&written), streams, triangles.as_deref())
     }
 
     /// What knobs are turned to, then what options of formats are set to.
@@ -174,11 +157,9 @@ impl Export {
         &self,
         settings: &[(String, String)],
         of_formats: &[(String, String)],
+        timings: Timings,
         progress: &Progress,
     ) -> anyhow::Result<()> {
-        if self.timings {
-            return Err(usage("--timings and --json are for one source: export each by itself"));
-        }
         self.growing.without_defines("export each by itself")?;
         self.growing.without_edits("export each by itself")?;
         self.growing.without_age("export each by itself")?;
@@ -194,8 +175,9 @@ impl Export {
             std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
         let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
         let command = format!("linden export {} -o wood.glb", named.join(" "));
-        let (outputs, scene) = (&self.outputs, &self.scene);
-        let written = Written { outputs, of_formats, command, scene, table: None };
+        let (outputs, scene, telling) = (&self.outputs, &self.scene, &self.telling);
+        let subject = Subject::of(named);
+        let written = Written { outputs, of_formats, command, scene, table: None, telling, timings, subject };
         side_by_side(&sources, settings, written, progress)
     }
 
@@ -224,19 +206,20 @@ impl Export {
         trees: InputTrees,
         settings: &[(String, String)],
         of_formats: &[(String, String)],
+        timings: Timings,
         progress: &Progress,
     ) -> anyhow::Result<()> {
-        if self.timings || self.seasons.is_some() || self.ages.is_some() {
+        if self.seasons.is_some() || self.ages.is_some() {
             let knob = trees.knob;
             return Err(usage(format!(
-                "--timings, --json, --seasons and --ages are for one tree: say which with --set {knob}=N"
+                "--seasons and --ages are for one tree: say which with --set {knob}=N"
             )));
         }
         self.outputs.with_usual(USUAL_FORMAT);
         let Some(folder) = self.outputs.folder() else { return Ok(()) };
         let turned = settings.iter().map(|(name, _)| name.as_str()).collect();
-        let (outputs, scene) = (&self.outputs, &self.scene);
-        Plot { source, trees, folder, outputs, of_formats, turned, scene }.write(progress)
+        let (outputs, scene, telling) = (&self.outputs, &self.scene, &self.telling);
+        Plot { source, trees, folder, outputs, of_formats, turned, scene, telling }.write(timings, progress)
     }
 }
 
@@ -265,7 +248,7 @@ impl Made<'_> {
         }
         source.recipe = source.recipe.wanting(batch.wanted());
         let grown = super::grown_and_drawn(&source, progress)?;
-        timings.lap("grow");
+        timings.lap_of("grow", age);
         let (one, several);
         let (stage, notes) = if self.seasons.is_empty() {
             one = levels(&source.recipe, &grown, progress).with_context(|| place.clone())?;
@@ -275,15 +258,15 @@ impl Made<'_> {
             (several.stage(), &several.notes)
         };
         super::notes(&of_age(age, notes), progress);
-        timings.count(triangles::of_levels(&stage));
+        timings.count(age, triangles::of_levels(&stage));
         let stage = stage.turned_by(self.settings.iter().map(|(name, _)| name.as_str()));
         let stage = self.scene.around(stage, progress)?;
         // Scenes have taken what they need of it.
         drop(grown);
-        timings.lap("dress");
+        timings.lap_of("dress", age);
         let holding = Holding::new(progress, source.recipe.inputs.bytes());
         write_age(batch, age, &stage, &holding, progress)?;
-        timings.lap("write");
+        timings.lap_of("write", age);
         Ok(())
     }
 }

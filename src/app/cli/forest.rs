@@ -8,13 +8,15 @@ use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCAT
 use linden::monitor::Holding;
 use linden::preset::builtin;
 
-use super::outputs::{Files, Outputs, finish, write};
+use super::outputs::{Files, Outputs, commit, write};
 use super::scene::SceneFlags;
+use super::timings::{File, Subject, Telling, Timings};
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
 use crate::source;
 use crate::source::forest::{ForestFile, ForestSource, turn};
+use crate::triangles;
 
 /// Lay out a forest and write it for 3D programs
 ///
@@ -48,6 +50,9 @@ pub struct Forest {
 
     #[command(flatten)]
     scene: SceneFlags,
+
+    #[command(flatten)]
+    telling: Telling,
 }
 
 /// A flag for each knob of a forest.
@@ -96,6 +101,7 @@ impl FromArgMatches for LayoutFlags {
 impl Forest {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
+        let timings = Timings::new();
         let (of_formats, knobs): (Vec<_>, Vec<_>) =
             super::pairs(&self.settings)?.into_iter().partition(|(name, _)| super::is_of_format(name));
         let mut sources = Vec::new();
@@ -109,7 +115,10 @@ impl Forest {
         check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
         let (outputs, table) = (&self.outputs, self.table.as_deref());
-        let written = Written { outputs, of_formats: &of_formats, command, scene: &self.scene, table };
+        let (scene, telling) = (&self.scene, &self.telling);
+        let subject = Subject::of(self.kinds.iter().map(|kind| linden::knob::printable(kind)));
+        let of_formats = &of_formats;
+        let written = Written { outputs, of_formats, command, scene, table, telling, timings, subject };
         written.write(&forest, sources, &turned, &progress)
     }
 
@@ -163,13 +172,19 @@ pub(super) struct Written<'a> {
     pub scene: &'a SceneFlags,
     /// Where a table of places goes.
     pub table: Option<&'a Path>,
+    /// What is said of it.
+    pub telling: &'a Telling,
+    /// Since the command began.
+    pub timings: Timings,
+    /// What it is made of.
+    pub subject: Subject,
 }
 
 impl Written<'_> {
     /// Grows the trees of a forest that was read from `sources` and for which knobs were `turned`, and
     /// writes it.
     pub fn write(
-        self,
+        mut self,
         forest: &linden::forest::Forest,
         sources: Vec<PathBuf>,
         turned: &[(String, String)],
@@ -192,6 +207,9 @@ impl Written<'_> {
         let most = counts.max().unwrap_or(1);
         let mut batch =
             self.outputs.open(&forest.id, &self.command, self.of_formats, Files::in_levels(most), sources)?;
+        let streams = batch.streams();
+        self.telling.ensure_free(streams)?;
+        self.timings.lap("read");
         let plan = forest.plan(progress).with_context(|| forest.id.clone())?.wanting(batch.wanted());
         let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
         announce(outlook.export_s(&batch.formats()), &outlook.amount());
@@ -202,17 +220,23 @@ impl Written<'_> {
         })?;
         let stage = grown.stage().turned_by(turned.iter().map(|(name, _)| name.as_str()));
         let stage = self.scene.around(stage, progress)?;
+        self.timings.count(None, triangles::of_levels(&stage));
+        self.timings.lap("grow");
         let holding = Holding::new(progress, inputs);
         write(&mut batch, &stage, &holding, progress)?;
-        finish(batch, progress)?;
-        match self.table {
-            Some(path) => {
-                let text = table(&grown, &kinds);
-                linden_exporters::write_file(path, text.as_bytes(), 0o666, true)
-                    .with_context(|| format!("writing {}", crate::paths::show(path)))
-            }
-            None => Ok(()),
+        self.timings.lap("write");
+        let mut files = File::all(&commit(batch, progress)?);
+        if let Some(path) = self.table {
+            let text = table(&grown, &kinds);
+            let shown = crate::paths::show(path);
+            linden_exporters::write_file(path, text.as_bytes(), 0o666, true)
+                .with_context(|| format!("writing {shown}"))?;
+            files.push(File { path: shown, bytes: text.len() as u64, kept: false });
         }
+        self.timings.lap("commit");
+        let Self { telling, timings, mut subject, .. } = self;
+        (subject.places, subject.distinct) = (Some(grown.places.len()), Some(grown.trees.len()));
+        telling.tell(&timings, &subject, &files, streams, None)
     }
 }
 

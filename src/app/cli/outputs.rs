@@ -11,7 +11,8 @@ use linden_exporters::{Exporter, Options, Profile, REGISTRY};
 use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_folder, waiting};
 
 use super::complete;
-use crate::exit::usage;
+use super::timings::File;
+use crate::exit::{say, usage};
 use crate::formats::{find, for_path};
 use crate::portrait;
 use crate::progress::Progress;
@@ -268,13 +269,6 @@ pub fn of_age(age: Option<&str>, notes: &[String]) -> Vec<String> {
     notes.iter().map(named).collect()
 }
 
-/// Puts all files in their places and lists them, unless a file itself is on standard output.
-pub fn finish(batch: Batch, progress: &Progress) -> anyhow::Result<()> {
-    let streams = batch.streams();
-    let written = commit(batch, progress)?;
-    if streams == 0 { list(&written) } else { Ok(()) }
-}
-
 /// Puts all files in their places.
 pub fn commit(batch: Batch, progress: &Progress) -> anyhow::Result<Vec<Written>> {
     let written = batch.commit().map_err(explained)?;
@@ -284,18 +278,36 @@ pub fn commit(batch: Batch, progress: &Progress) -> anyhow::Result<Vec<Written>>
 
 /// Lists files on standard output.
 pub fn list(written: &[Written]) -> anyhow::Result<()> {
-    list_with(written, None)
+    list_with(&File::all(written), None)
 }
 
-/// The same with what is said of all of them behind the first.
-pub fn list_with(written: &[Written], told: Option<&str>) -> anyhow::Result<()> {
+/// The same with what is said of all of them behind the first. Which of them were left alone is said on standard error.
+pub fn list_with(files: &[File], told: Option<&str>) -> anyhow::Result<()> {
     let mut lines = String::new();
-    for (i, file) in written.iter().enumerate() {
+    for (i, file) in files.iter().enumerate() {
         let size = indicatif::BinaryBytes(file.bytes);
         let told = told.filter(|_| i == 0).map(|told| format!("  {told}")).unwrap_or_default();
-        lines.push_str(&format!("{}  {size}{told}\n", crate::paths::show(&file.path)));
+        lines.push_str(&format!("{}  {size}{told}\n", file.path));
+    }
+    if let Some(note) = kept(files) {
+        say(&format!("note: {note}"));
     }
     super::print(&lines)
+}
+
+/// Which files were left alone, if any were.
+fn kept(files: &[File]) -> Option<String> {
+    // More are a matter for programs, which read --json.
+    const MOST: usize = 8;
+    let kept: Vec<&str> = files.iter().filter(|file| file.kept).map(|file| file.path.as_str()).collect();
+    let mut names = kept.iter().take(MOST).copied().collect::<Vec<_>>().join(", ");
+    if kept.len() > MOST {
+        names += &format!(" and {} more", kept.len() - MOST);
+    }
+    let had =
+        if kept.len() == 1 { "had its bytes already and was" } else { "had their bytes already and were" };
+    let written = files.len() - kept.len();
+    (!kept.is_empty()).then(|| format!("{names} {had} left alone; {written} of {} written", files.len()))
 }
 
 /// Each `FORMAT.OPTION` must belong to a format that is written.

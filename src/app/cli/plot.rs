@@ -12,12 +12,13 @@ use linden::preset::InputTrees;
 use linden::recipe::Recipe;
 use linden::report::{NUMBERS, Reading, Report};
 use linden::texture::DrawnPictures;
-use linden_exporters::make_folders;
+use linden_exporters::{Written, make_folders};
 
 use super::crew::{Crew, Share, room_for_pictures};
 use super::outputs::{Files, Outputs};
 use super::placing::explained;
 use super::scene::SceneFlags;
+use super::timings::{File, Subject, Telling, Timings};
 use crate::cache;
 use crate::exit::sentence;
 use crate::paths::show;
@@ -41,6 +42,8 @@ pub struct Plot<'a> {
     /// Knobs that were turned.
     pub turned: Vec<&'a str>,
     pub scene: &'a SceneFlags,
+    /// What is said of them.
+    pub telling: &'a Telling,
 }
 
 /// What became of a tree.
@@ -56,7 +59,7 @@ struct PlotTree {
     report: Report,
     /// In the input's axes and units.
     foot: Option<[f64; 3]>,
-    files: Vec<PathBuf>,
+    files: Vec<Written>,
     notes: Vec<String>,
 }
 
@@ -65,7 +68,8 @@ impl Plot<'_> {
     ///
     /// # Errors
     /// What hinders all of them; at the end that some failed.
-    pub fn write(mut self, progress: &Progress) -> anyhow::Result<()> {
+    pub fn write(mut self, mut timings: Timings, progress: &Progress) -> anyhow::Result<()> {
+        timings.lap("read");
         let drawn = Arc::new(cache::pictures(DrawnPictures::new(room_for_pictures(progress))));
         self.source.recipe = self.source.recipe.drawn_into(&drawn);
         let table = self.folder.join(TABLE);
@@ -73,6 +77,7 @@ impl Plot<'_> {
         // What is wrong with formats or options is said once, before anything grows.
         let (batch, notes) = self.batch(self.trees.numbers[0].0)?;
         super::notes(&notes, progress);
+        self.telling.ensure_free(batch.streams())?;
         drop(batch);
         let count = self.trees.numbers.len();
         let InputTrees { told_by, .. } = &self.trees;
@@ -100,9 +105,20 @@ impl Plot<'_> {
         linden_exporters::write_file(&table, &text, 0o666, true).with_context(writing)?;
         folders.keep();
         progress.clear();
+        timings.lap("grow");
+        if self.telling.is_json() {
+            let written = rows.iter().filter_map(|row| row.written.as_ref().ok());
+            let mut files = File::all(&written.flat_map(|tree| tree.files.clone()).collect::<Vec<_>>());
+            files.push(File { path: show(&table), bytes: text.len() as u64, kept: false });
+            let subject = Subject::of([self.source.shown.clone()]);
+            self.telling.tell(&timings, &subject, &files, 0, None)?;
+        }
         let failed = rows.iter().filter(|row| row.written.is_err()).count();
         if failed > 0 {
             bail!("{failed} of {count} trees failed; {} says why", show(&table));
+        }
+        if self.telling.is_json() {
+            return Ok(());
         }
         let trees = if count == 1 { "tree" } else { "trees" };
         super::print(&format!("{count} {trees} written into {}, with {}\n", show(self.folder), show(&table)))
@@ -135,7 +151,7 @@ impl Plot<'_> {
         let stage = self.scene.around(stage, progress)?;
         let holding = Holding::new(share, recipe.inputs.bytes());
         batch.write(&stage, &holding, |said| notes.extend(said.iter().cloned()))?;
-        let files = batch.commit()?.into_iter().map(|file| file.path).collect();
+        let files = batch.commit()?;
         Ok(PlotTree { report, foot: foot.map(|foot| foot.to_array()), files, notes })
     }
 
@@ -157,8 +173,8 @@ impl Plot<'_> {
             let name = |path: &PathBuf| {
                 path.strip_prefix(self.folder).unwrap_or(path).to_string_lossy().into_owned()
             };
-            let files: Vec<String> =
-                grown.map_or_else(Vec::new, |grown| grown.files.iter().map(name).collect());
+            let files: Vec<String> = grown
+                .map_or_else(Vec::new, |grown| grown.files.iter().map(|file| name(&file.path)).collect());
             let notes = grown.map_or_else(String::new, |grown| grown.notes.join("; "));
             let error = written.as_ref().err().map_or_else(String::new, sentence);
             let record = [number.to_string(), parts.to_string()].into_iter().chain(foot);

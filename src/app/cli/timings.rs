@@ -1,12 +1,82 @@
-//! `--timings`: what an export took, for reports of slowness.
+//! `--timings` and `--json`: what an export took and wrote, for reports of slowness and for scripts.
 
 use std::time::{Duration, Instant};
 
+use clap::Args;
 use linden_exporters::Written;
 use serde::Serialize;
 
+use super::outputs::list_with;
 use crate::cache;
+use crate::exit::{say, usage};
 use crate::system::{cpu_time, peak_memory};
+
+/// What a command says of what it wrote, beside the list of files or in its place.
+#[derive(Args)]
+pub struct Telling {
+    /// Say what each step took, with threads, bytes and memory, on standard error
+    #[arg(long)]
+    timings: bool,
+
+    /// The files, and what each step took, on standard output, machine-readable, in place of the list of files
+    #[arg(long)]
+    json: bool,
+}
+
+impl Telling {
+    /// Whether a document is in the place of the list of files.
+    pub const fn is_json(&self) -> bool {
+        self.json
+    }
+
+    /// Refuses the document where a file itself goes to standard output.
+    pub fn ensure_free(&self, streams: usize) -> anyhow::Result<()> {
+        if self.json && streams > 0 {
+            return Err(usage("--json: the file itself is on standard output; write it with -o FILE"));
+        }
+        Ok(())
+    }
+
+    /// Tells what was written, where no file itself is on standard output; `told` stands behind the first file of the list.
+    pub fn tell(
+        &self,
+        timings: &Timings,
+        subject: &Subject,
+        files: &[File],
+        streams: usize,
+        told: Option<&str>,
+    ) -> anyhow::Result<()> {
+        if self.json {
+            return super::print(&timings.json(subject, files)?);
+        }
+        if self.timings {
+            say(timings.table(files).trim_end());
+        }
+        if streams == 0 { list_with(files, told) } else { Ok(()) }
+    }
+}
+
+/// What was made into files.
+#[derive(Default, Serialize)]
+pub struct Subject {
+    /// As it was typed, several with spaces between.
+    pub source: String,
+    /// Each by itself.
+    pub sources: Vec<String>,
+    /// Of a forest: how many trees stand there, and how many of them are grown: the others are copies.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub places: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub distinct: Option<usize>,
+}
+
+impl Subject {
+    /// Some sources, printable.
+    pub fn of(sources: impl IntoIterator<Item = String>) -> Self {
+        let sources: Vec<String> = sources.into_iter().collect();
+        Self { source: sources.join(" "), sources, ..Self::default() }
+    }
+}
 
 /// A clock for the steps of a command.
 pub struct Timings {
@@ -15,6 +85,7 @@ pub struct Timings {
     last: (Instant, Option<Duration>),
     steps: Vec<Step>,
     triangles: Vec<u64>,
+    ages: Vec<AgeTriangles>,
 }
 
 /// The names of `--json`: scripts rely on them.
@@ -22,16 +93,18 @@ pub struct Timings {
 struct Step {
     #[serde(rename = "step")]
     name: &'static str,
+    /// Of several, the one that it was for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    age: Option<String>,
     seconds: f64,
     /// Of all threads; null where the system does not tell.
     cpu_seconds: Option<f64>,
 }
 
-/// The names of `--json`: scripts rely on them.
+/// What a run took so far. The names of `--json`: scripts rely on them.
 #[derive(Serialize)]
-struct Report<'a> {
+pub struct Run {
     linden: &'static str,
-    source: &'a str,
     /// Threads that there may be.
     threads: usize,
     seconds: f64,
@@ -41,11 +114,29 @@ struct Report<'a> {
     peak_memory_bytes: Option<u64>,
     /// Pictures out of the cache; null where it is off.
     cache: Option<Kept>,
+}
+
+/// The names of `--json`: scripts rely on them.
+#[derive(Serialize)]
+struct Report<'a> {
+    #[serde(flatten)]
+    run: Run,
+    #[serde(flatten)]
+    subject: &'a Subject,
     /// In their order, one after the other: together they take as long as the whole.
     steps: &'a [Step],
-    /// Of each level, finest first.
+    /// Of each level, finest first; of several ages those of the last.
     triangles: &'a [u64],
-    files: Vec<File>,
+    /// Of each age, where there are several.
+    #[serde(skip_serializing_if = "<[AgeTriangles]>::is_empty")]
+    ages: &'a [AgeTriangles],
+    files: &'a [File],
+}
+
+#[derive(Serialize)]
+struct AgeTriangles {
+    age: String,
+    triangles: Vec<u64>,
 }
 
 /// Pictures, and files of pictures, that were asked for.
@@ -57,29 +148,56 @@ struct Kept {
     misses: u64,
 }
 
-#[derive(Serialize)]
-struct File {
-    path: String,
-    bytes: u64,
+/// A file that was written, or left alone.
+#[derive(Clone, Serialize)]
+pub struct File {
+    /// Printable.
+    pub path: String,
+    pub bytes: u64,
+    /// Whether it was there with the same bytes, and was left alone.
+    pub kept: bool,
+}
+
+impl From<&Written> for File {
+    fn from(written: &Written) -> Self {
+        Self { path: crate::paths::show(&written.path), bytes: written.bytes, kept: written.kept }
+    }
+}
+
+impl File {
+    /// Of all that was written.
+    pub fn all(written: &[Written]) -> Vec<Self> {
+        written.iter().map(Self::from).collect()
+    }
 }
 
 impl Timings {
     /// Starts the clock.
     pub fn new() -> Self {
         let now = Instant::now();
-        Self { started: now, last: (now, cpu_time()), steps: Vec::new(), triangles: Vec::new() }
+        let (steps, triangles, ages) = (Vec::new(), Vec::new(), Vec::new());
+        Self { started: now, last: (now, cpu_time()), steps, triangles, ages }
     }
 
     /// The step that is over now.
     pub fn lap(&mut self, name: &'static str) {
+        self.lap_of(name, None);
+    }
+
+    /// The same of one of several ages.
+    pub fn lap_of(&mut self, name: &'static str, age: Option<&str>) {
         let (now, worked) = (Instant::now(), cpu_time());
         let cpu_seconds = worked.zip(self.last.1).map(|(now, then)| now.saturating_sub(then).as_secs_f64());
-        self.steps.push(Step { name, seconds: (now - self.last.0).as_secs_f64(), cpu_seconds });
+        let seconds = (now - self.last.0).as_secs_f64();
+        self.steps.push(Step { name, age: age.map(str::to_owned), seconds, cpu_seconds });
         self.last = (now, worked);
     }
 
-    /// The triangles of each level that is written, finest first.
-    pub fn count(&mut self, triangles: Vec<u64>) {
+    /// The triangles of each level that is written, finest first, of one of several ages.
+    pub fn count(&mut self, age: Option<&str>, triangles: Vec<u64>) {
+        if let Some(age) = age {
+            self.ages.push(AgeTriangles { age: age.to_owned(), triangles: triangles.clone() });
+        }
         self.triangles = triangles;
     }
 
@@ -88,52 +206,48 @@ impl Timings {
         &self.triangles
     }
 
-    fn report<'a>(&'a self, source: &'a str, written: &[Written]) -> Report<'a> {
-        let file = |written: &Written| File { path: crate::paths::show(&written.path), bytes: written.bytes };
-        Report {
+    /// What the run took up to the last step.
+    pub fn run(&self) -> Run {
+        Run {
             linden: linden::recipe::VERSION,
-            source,
             threads: rayon::current_num_threads(),
             seconds: (self.last.0 - self.started).as_secs_f64(),
             cpu_seconds: self.steps.iter().map(|step| step.cpu_seconds).sum(),
             peak_memory_bytes: peak_memory(),
             cache: cache::counts().map(|cache::Counts { hits, misses }| Kept { hits, misses }),
-            steps: &self.steps,
-            triangles: &self.triangles,
-            files: written.iter().map(file).collect(),
         }
     }
 
     /// For scripts.
-    ///
-    /// # Errors
-    /// None that is known of.
-    pub fn json(&self, source: &str, written: &[Written]) -> anyhow::Result<String> {
-        Ok(serde_json::to_string_pretty(&self.report(source, written))? + "\n")
+    fn json(&self, subject: &Subject, files: &[File]) -> anyhow::Result<String> {
+        let Self { steps, triangles, ages, .. } = self;
+        let report = Report { run: self.run(), subject, steps, triangles, ages, files };
+        Ok(serde_json::to_string_pretty(&report)? + "\n")
     }
 
     /// For people.
-    pub fn table(&self, source: &str, written: &[Written]) -> String {
-        let report = self.report(source, written);
+    fn table(&self, files: &[File]) -> String {
+        let run = self.run();
         let cpu =
             |seconds: Option<f64>| seconds.map_or_else(|| format!("{:>9}", "-"), |s| format!("{s:9.3}"));
         let mut text = format!("{:12}{:>9} {:>9}\n", "step", "seconds", "CPU");
-        for Step { name, seconds, cpu_seconds } in report.steps {
-            text += &format!("{name:12}{seconds:9.3} {}\n", cpu(*cpu_seconds));
+        for Step { name, age, seconds, cpu_seconds } in &self.steps {
+            let age = age.as_deref().map(|age| format!("  {age}")).unwrap_or_default();
+            text += &format!("{name:12}{seconds:9.3} {}{age}\n", cpu(*cpu_seconds));
         }
-        text += &format!("{:12}{:9.3} {}\n", "all", report.seconds, cpu(report.cpu_seconds));
-        let bytes = report.files.iter().map(|file| file.bytes).sum();
-        let peak = report.peak_memory_bytes.map_or_else(String::new, |bytes| {
+        text += &format!("{:12}{:9.3} {}\n", "all", run.seconds, cpu(run.cpu_seconds));
+        let bytes = files.iter().map(|file| file.bytes).sum();
+        let peak = run.peak_memory_bytes.map_or_else(String::new, |bytes| {
             format!(", at most {} of memory", indicatif::BinaryBytes(bytes))
         });
-        let files = if report.files.len() == 1 { "file" } else { "files" };
+        let noun = if files.len() == 1 { "file" } else { "files" };
         text += &format!(
-            "{} {files} of {}, {} threads{peak}\n",
-            report.files.len(),
+            "{} {noun} of {}, {} threads{peak}\n",
+            files.len(),
             indicatif::BinaryBytes(bytes),
-            report.threads
+            run.threads
         );
-        text += &match report.cache {
+        text += &match run.cache {
             Some(Kept { hits, misses }) => format!("pictures: {hits} out of the cache, {misses} made\n"),
             None => "pictures: all made, without the cache\n".to_owned(),
         };

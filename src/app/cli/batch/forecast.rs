@@ -4,6 +4,7 @@ use anyhow::bail;
 use indicatif::{BinaryBytes, HumanCount};
 use linden::Monitor;
 use linden::settings::{BarkSettings, FoliageSettings};
+use serde::Serialize;
 
 use super::part::Part;
 use super::plan::Plan;
@@ -29,6 +30,20 @@ pub struct Forecast {
     picture_seconds: f64,
     /// What a tree holds while it is written, at least.
     memory: u64,
+}
+
+/// The names of `--json`: scripts rely on them.
+#[derive(Serialize)]
+pub struct ForecastRow {
+    trees: usize,
+    bytes: u64,
+    /// Of one thread.
+    work_seconds: f64,
+    /// With so many trees at a time.
+    seconds: f64,
+    jobs: usize,
+    /// At least, for each tree at a time.
+    memory_bytes: u64,
 }
 
 impl Forecast {
@@ -58,6 +73,18 @@ impl Forecast {
             forecast.memory = forecast.memory.max(outlook.held_bytes(&formats));
         }
         Ok(forecast)
+    }
+
+    /// For scripts.
+    pub fn row(&self, jobs: usize) -> ForecastRow {
+        ForecastRow {
+            trees: self.trees,
+            bytes: (self.bytes + self.picture_bytes) as u64,
+            work_seconds: self.seconds + self.picture_seconds,
+            seconds: (self.seconds + self.picture_seconds) / jobs as f64,
+            jobs,
+            memory_bytes: self.memory,
+        }
     }
 
     /// For people, with so many trees at a time.

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context, bail};
 use clap::Args;
 use linden::Monitor;
 use linden_exporters::ExportError;
@@ -13,8 +13,10 @@ use super::assembly::{Assembled, AssemblyKind};
 use super::contact::Contact;
 use super::part::{Part, ranges};
 use super::plan::Plan;
+use super::report::{Merging, Report};
 use super::rows::{self, Row, Rows};
 use super::table::Table;
+use crate::cli::timings::File;
 use crate::exit::{sentence, usage};
 use crate::paths::show;
 use crate::progress::Progress;
@@ -57,9 +59,10 @@ impl Merged {
         &self,
         plan: &Plan,
         part: Option<&Part>,
-        out: &Path,
+        mut report: Report<'_>,
         progress: &Progress,
     ) -> anyhow::Result<()> {
+        let out = report.out;
         self.check(part.is_some())?;
         if !out.is_dir() {
             let folder = show(out);
@@ -91,7 +94,19 @@ impl Merged {
             said += &assembled.write(progress)?;
         }
         progress.clear();
-        super::super::print(&said)?;
+        if report.is_json {
+            let files =
+                std::iter::once(&path).chain([&self.sheet, &self.usd, &self.tiles].into_iter().flatten());
+            let files = files.map(|path| {
+                let bytes = path.metadata().with_context(|| format!("looking at {}", show(path)))?.len();
+                Ok(File { path: show(path), bytes, kept: false })
+            });
+            let files = files.collect::<anyhow::Result<_>>()?;
+            let (whole, failed, missing) = (found.whole.len(), found.failed, found.missing.clone());
+            report.merged(Merging { whole, failed, missing, files })?;
+        } else {
+            super::super::print(&said)?;
+        }
         found.verdict()
     }
 

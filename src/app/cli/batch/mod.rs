@@ -7,6 +7,7 @@ mod merge;
 mod noted;
 mod part;
 pub mod plan;
+mod report;
 mod rows;
 mod table;
 mod template;
@@ -24,12 +25,15 @@ use self::merge::Merged;
 use self::noted::Noted;
 use self::part::Part;
 use self::plan::Plan;
+use self::report::Report;
 use self::rows::{Journal, Rows};
 pub use self::rows::{PICTURES, listed_files};
 use self::template::{Engine, Job};
+use crate::cli::timings::{Subject, Timings};
 use crate::exit::{say, usage};
 use crate::paths::show;
 use crate::progress::Progress;
+use crate::source;
 
 /// Grow and write all trees of a manifest, or a part of them
 ///
@@ -79,6 +83,11 @@ pub struct Batch {
     #[arg(long, conflicts_with_all = NO_MERGE)]
     merge: bool,
 
+    /// What was written, on standard output, machine-readable: a row a tree, and all files; with --dry-run the forecast, with
+    /// --merge what was found
+    #[arg(long)]
+    json: bool,
+
     #[command(flatten)]
     merged: Merged,
 
@@ -97,14 +106,14 @@ pub struct Batch {
 const NO_MERGE: [&str; 4] = ["resume", "shard", "dry_run", "template"];
 
 /// What excludes `--template`, likewise.
-const NO_TEMPLATE: [&str; 5] = ["resume", "only", "shard", "dry_run", "merge"];
+const NO_TEMPLATE: [&str; 6] = ["resume", "only", "shard", "dry_run", "merge", "json"];
 
 /// The most parts that are taken without asking: what an array of Slurm may have as it is installed.
 const MOST_PARTS: usize = 1000;
 
 impl Batch {
     pub fn run(self) -> anyhow::Result<()> {
-        let progress = Progress::new();
+        let (progress, timings) = (Progress::new(), Timings::new());
         let plan = Plan::read(&self.manifest, &progress)?;
         if let Some(engine) = self.template {
             let trees = plan.len();
@@ -120,60 +129,75 @@ impl Batch {
             _ => Ok(Part::all(plan.len())),
         };
         let part = part.map_err(usage)?;
+        let sources = plan.source_names().map(linden::knob::printable).collect();
+        let subject = Subject { source: source::shown(&self.manifest), sources, ..Subject::default() };
+        let mut report = Report { is_json: self.json, timings, subject, out: &self.out };
+        report.timings.lap("read");
         if self.dry_run {
             let forecast = Forecast::of(&plan, &part, &progress)?;
             progress.clear();
-            return super::print(
-                &forecast.text(self.jobs.map_or_else(rayon::current_num_threads, usize::from)),
-            );
+            let jobs = self.jobs.map_or_else(rayon::current_num_threads, usize::from);
+            return if self.json {
+                report.forecast(forecast.row(jobs))
+            } else {
+                super::print(&forecast.text(jobs))
+            };
         }
         if self.merge {
             let part = self.only.is_some().then_some(&part);
-            return self.merged.write(&plan, part, &self.out, &progress);
+            return self.merged.write(&plan, part, report, &progress);
         }
         if let Some(shard) = self.shard.as_ref().filter(|_| part.numbers().next().is_none()) {
             say(&format!("note: shard {shard} has no trees: the manifest has only {}", plan.len()));
-            return Ok(());
+            return if self.json { report.grown(Vec::new(), 0, 0) } else { Ok(()) };
         }
         std::fs::create_dir_all(&self.out)
             .map_err(|error| anyhow::anyhow!("making the folder {}: {error}", show(&self.out)))?;
         let known = if self.resume { Rows::read(&self.out)? } else { Rows::default() };
-        let mut missing = Vec::new();
+        let (mut missing, mut there) = (Vec::new(), 0);
         for number in part.numbers() {
             progress.check()?;
             // What cannot be a tree at all is said by whoever comes to it, and stops no other.
             let is_there =
                 self.resume && plan.tree(number).is_ok_and(|tree| known.whole(&tree, &self.out).is_some());
-            if !is_there {
+            if is_there {
+                there += 1;
+            } else {
                 missing.push(number);
             }
         }
         let count = missing.len();
         if count == 0 {
             say("note: all of these trees are there already");
-            return Ok(());
+            return if self.json { report.grown(Vec::new(), 0, there) } else { Ok(()) };
         }
         let mut journal = Journal::begin(&self.out)?;
         let work = work::Work { plan: &plan, numbers: &missing, out: &self.out, sync: self.sync };
-        let (mut failed, mut stopped, mut noted) = (0, None, Noted::default());
+        let (mut failed, mut stopped, mut noted, mut rows) = (0, None, Noted::default(), Vec::new());
         work.run(self.jobs.map(usize::from), &progress, |row| {
             journal.write(&row)?;
             noted.add(&row);
-            if let Some(error) = &row.error {
-                failed += 1;
-                let said = format!("tree {}: {error}", row.index);
-                if self.fail_fast {
-                    stopped = Some(said);
-                    return Ok(false);
-                }
-                super::notes(&[said], &progress);
+            let error = row.error.as_ref().map(|error| format!("tree {}: {error}", row.index));
+            if self.json {
+                rows.push(row);
             }
+            let Some(said) = error else { return Ok(true) };
+            failed += 1;
+            if self.fail_fast {
+                stopped = Some(said);
+                return Ok(false);
+            }
+            super::notes(&[said], &progress);
             Ok(true)
         })?;
         super::notes(&noted.lines(), &progress);
         progress.clear();
+        if self.json {
+            report.grown(rows, failed, there)?;
+        }
         match (stopped, failed) {
             (Some(said), _) => bail!("{said}"),
+            (None, 0) if self.json => Ok(()),
             (None, 0) => super::print(&format!("{count} trees written into {}\n", show(&self.out))),
             (None, failed) => bail!("{failed} of {count} trees failed; --resume tries them again"),
         }

@@ -117,6 +117,11 @@ impl Plan {
         of_sources.chain(&self.path).cloned().collect()
     }
 
+    /// What the manifest calls its sources, in the order of their names.
+    pub fn source_names(&self) -> impl Iterator<Item = &str> {
+        self.sources.keys().map(String::as_str)
+    }
+
     /// Whether trees are grown from what the manifest calls so.
     pub fn has_source(&self, name: &str) -> bool {
         self.sources.contains_key(name)

@@ -62,6 +62,9 @@ pub struct WrittenFile {
     /// Within the output folder, with slashes.
     pub path: String,
     pub bytes: u64,
+    /// Whether it was there before; of this call alone.
+    #[serde(skip)]
+    pub kept: bool,
 }
 
 impl WrittenFile {

@@ -93,11 +93,11 @@ impl Work<'_> {
         for file in batch.commit()? {
             let within = file.path.strip_prefix(self.out).unwrap_or(&file.path);
             let parts: Vec<_> = within.iter().map(|part| part.to_string_lossy()).collect();
-            row.files.push(WrittenFile { path: parts.join("/"), bytes: file.bytes });
+            row.files.push(WrittenFile { path: parts.join("/"), bytes: file.bytes, kept: file.kept });
         }
         // Pictures come last and once, in an order that does not depend on who wrote them.
         row.files.sort_by_cached_key(|file| file.shared().map(str::to_owned));
-        row.files.dedup();
+        row.files.dedup_by(|a, b| a.path == b.path);
         Ok(())
     }
 }
