@@ -8,6 +8,7 @@ use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
+use crate::writing::ONE_LEVEL;
 use crate::{
     AgeFile, AgeSet, Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, MemoryFile,
     Options, Pictures, WindLoop, Written, commit_all, ensure_distinct, ensure_spared, examine,
@@ -105,6 +106,13 @@ impl Output {
             file
         };
         (0..levels).map(of_level).collect()
+    }
+
+    /// What is to be said where a file for each of a number of levels was asked for, and there is one level: the file itself
+    /// does not tell.
+    pub fn note_on_levels(&self, levels: usize) -> Option<&'static str> {
+        let are_files = self.options.is_asked("lods") && self.options.is_word("lods", "files");
+        (are_files && levels < 2).then_some(ONE_LEVEL)
     }
 
     /// The files that are written for this one in these seasons and in a number of levels of detail.

@@ -3,7 +3,7 @@
 //! One table, a row a program, from the documentation of each (those that the tests run are said in the docs). An
 //! option is set in each format that has it, and whatever the user says about it holds.
 
-use linden_pipeline::knob::nearest;
+use linden_pipeline::knob::{listed, nearest};
 
 use crate::{ExportError, Format, Options};
 
@@ -114,14 +114,35 @@ impl Profile {
             let is_set = options.value(name).is_some_and(|set| set.to_string() == *value);
             // Of one level there is nothing to say.
             if is_set && (*name != "lods" || levels > 1) {
+                let way = if *name == "lods" { self.way_of_levels(format, value) } else { String::new() };
                 said.push(format!(
-                    "{}={value} is not read by {}: {becomes}",
+                    "{}={value} is not read by {}: {becomes}{way}",
                     name_of(format, name),
                     self.name
                 ));
             }
         }
         said
+    }
+}
+
+impl Profile {
+    /// Which programs read levels that are told so, and how this one has them told: behind what becomes of them here.
+    fn way_of_levels(&self, format: &Format, value: &str) -> String {
+        let reads = |profile: &&Self| {
+            let mut unread = profile.unread.iter();
+            profile.formats.contains(&format.id)
+                && unread.all(|(name, other, _)| (*name, *other) != ("lods", value))
+        };
+        let readers: Vec<&str> = PROFILES.iter().filter(reads).map(|profile| profile.name).collect();
+        let readers = match readers.as_slice() {
+            [] => String::new(),
+            [one] => format!(" ({one} reads it)"),
+            several => format!(" ({} read it)", listed(several, "and")),
+        };
+        let own = self.options.iter().find(|(name, _)| *name == "lods");
+        let own = own.map(|(_, own)| format!("; --lods-as {own} writes what it reads")).unwrap_or_default();
+        readers + &own
     }
 }
 
@@ -168,7 +189,13 @@ mod tests {
             ["glb.quantize=true is not read by Bevy: the file is refused"]
         );
         assert_eq!(said("godot", &[("lods", "msft")], 1), [""; 0]);
-        assert!(said("godot", &[("lods", "msft")], 3)[0].contains("the finest level alone"));
+        assert_eq!(
+            said("godot", &[("lods", "msft")], 3),
+            [
+                "glb.lods=msft is not read by Godot 4: the finest level alone is seen (Babylon.js reads it); --lods-as files \
+              writes what it reads"
+            ]
+        );
         assert!(said("print", &[], 1)[0].contains("not known to read glb"));
     }
 }

@@ -6,6 +6,9 @@ use linden_pipeline::stage::{Plant, Stage};
 use crate::collision::{self, COLLISION, MOST};
 use crate::{Bundle, Options};
 
+/// What is said of ways to write levels of one level.
+pub(crate) const ONE_LEVEL: &str = "lods changes nothing: there is one level of detail; --lods 3 makes more";
+
 /// Notes what was asked for by options of `format` and changes nothing on this stage: ways to write levels of one level, wind
 /// of what stands still, shapes where none are written.
 pub(crate) fn note_asked(stage: &Stage<'_>, options: &Options, bundle: &mut Bundle) {
@@ -16,7 +19,7 @@ pub(crate) fn note_asked(stage: &Stage<'_>, options: &Options, bundle: &mut Bund
         if are_files && stage.levels() > 1 {
             bundle.note("lods=files: all levels are in this one; only files that have names can be one for each level");
         } else if !are_files && stage.levels() < 2 {
-            bundle.note("lods changes nothing: there is one level of detail; --lods 3 makes more");
+            bundle.note(ONE_LEVEL);
         }
     }
     if is_asked("wind_as") && !parts(stage).any(|part| part.wind.is_some()) {

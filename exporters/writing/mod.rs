@@ -100,7 +100,7 @@ pub mod records;
 pub mod trees;
 pub mod validate;
 
-pub(crate) use self::asked::{has_bones, note_asked};
+pub(crate) use self::asked::{ONE_LEVEL, has_bones, note_asked};
 pub use self::fit::fit;
 pub(crate) use self::fit::turned_colors;
 pub use self::names::{identifier, one_word};

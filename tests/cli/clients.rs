@@ -26,7 +26,7 @@ fn a_program_gets_its_format_its_levels_and_its_shapes() {
         .run(
             &[
                 &SMALL[..],
-                &["--for", "unreal", "-o", "plain.glb", "--collision=none", "--set", "glb.lods=files"],
+                &["--for", "unreal", "-o", "plain.glb", "--collision=none", "--set", "glb.quantize=false"],
             ]
             .concat(),
         )
@@ -75,9 +75,37 @@ fn what_a_program_does_not_read_is_said() {
     let said = folder.run(&[&SMALL[..], &["--for", "bevy", "-o", "a.glb", "--quantize"]].concat());
     assert_eq!(said.code, Some(0));
     assert!(said.err.contains("glb.quantize=true is not read by Bevy: the file is refused"), "{}", said.err);
+    // Of levels also what reads them, and the way out.
+    let levels = ["--for", "three", "-o", "b.glb", "--lods", "2", "--lods-as", "msft"];
+    let said = folder.run(&[&SMALL[..], &levels].concat()).err;
+    for part in
+        ["glb.lods=msft is not read by three.js", "(Babylon.js reads it); --lods-as files writes what"]
+    {
+        assert!(said.contains(part), "{part}: {said}");
+    }
     let said = folder.run(&[&SMALL[..], &["--for", "unty"]].concat());
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("did you mean 'unity'?"), "{}", said.err);
+}
+
+/// A profile sets it without being asked, and says nothing.
+#[test]
+fn ways_to_write_levels_of_one_level_are_told_to_be_in_vain() {
+    let folder = Folder::new();
+    for way in ["files", "siblings"] {
+        let said = folder.run(&[&SMALL[..], &["-o", "a.glb", "-o", "a.gltf", "--lods-as", way]].concat());
+        assert_eq!(
+            said.err.matches("lods changes nothing: there is one level").count(),
+            1,
+            "{way}: {}",
+            said.err
+        );
+        assert!(said.err.contains("--lods 3 makes more"), "{}", said.err);
+    }
+    let none = folder.run(&[&SMALL[..], &["-o", "a.glb", "--for", "three"]].concat());
+    assert!(!none.err.contains("lods"), "{}", none.err);
+    let two = folder.run(&[&SMALL[..], &["-o", "a.glb", "--lods-as", "files", "--lods", "2"]].concat());
+    assert!(!two.err.contains("changes nothing"), "{}", two.err);
 }
 
 #[test]

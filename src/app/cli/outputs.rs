@@ -1,5 +1,6 @@
 //! Where a command writes its files: shared by all that export.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -137,11 +138,15 @@ impl Outputs {
             if let Some(profile) = profile {
                 notes.extend(profile.unread(format, &options, levels));
             }
-            let Some(in_ages) = Output::new(exporter, options, path).in_ages(ages) else {
+            let output = Output::new(exporter, options, path);
+            notes.extend(output.note_on_levels(levels).map(str::to_owned));
+            let Some(in_ages) = output.in_ages(ages) else {
                 return Err(usage("a stream holds one age: name a file, which becomes one for each age"));
             };
             outputs.extend(in_ages.into_iter().flat_map(|output| output.in_files(seasons, levels)));
         }
+        let mut said = BTreeSet::new();
+        notes.retain(|note| said.insert(note.clone()));
         let folders = self.placing.folders(outputs.iter().map(|output| output.path.as_path()))?;
         let bundle = |output: &Output| self.placing.bundle(&output.path);
         let batch = Batch::open(outputs, sources, bundle).map_err(explained)?.with_folders(folders);

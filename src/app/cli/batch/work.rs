@@ -60,8 +60,10 @@ impl Work<'_> {
             .outputs
             .iter()
             .map(|(exporter, options, path)| Output::new(*exporter, options.clone(), self.out.join(path)))
-            .flat_map(|output| output.in_levels(count))
             .collect();
+        let notes: Vec<String> =
+            outputs.iter().filter_map(|output| output.note_on_levels(count)).map(str::to_owned).collect();
+        let outputs: Vec<Output> = outputs.into_iter().flat_map(|output| output.in_levels(count)).collect();
         for folder in outputs.iter().filter_map(|output| output.path.parent()) {
             std::fs::create_dir_all(folder)
                 .with_context(|| format!("making the folder {}", crate::paths::show(folder)))?;
@@ -74,6 +76,7 @@ impl Work<'_> {
         let mut batch = Batch::open(outputs, tree.files.clone(), bundle)?;
         let turned = || tree.set.keys().map(String::as_str);
         row.note(tree.recipe.preset.idle_notes(turned()));
+        row.note(notes);
         let grown = grow(&tree.recipe, share)?;
         row.note(grown.notes.iter().cloned());
         row.skeleton_hash = Some(format!("{:032x}", grown.skeleton.hash()));
