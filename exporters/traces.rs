@@ -16,12 +16,14 @@ pub struct Traces {
     pub setting: Option<Surroundings>,
     /// Whether several seasons or ages are in it.
     pub seasons: bool,
+    /// Switches that show where they are on and change something, and do not show in it.
+    pub idle: Vec<&'static str>,
 }
 
 impl Traces {
     /// Of a file of which nothing shows: the defaults.
     pub fn none(format: &'static Format) -> Self {
-        Self { options: vec![Options::new(format)], setting: None, seasons: false }
+        Self { options: vec![Options::new(format)], setting: None, seasons: false, idle: Vec::new() }
     }
 
     /// With an option that shows.
@@ -36,6 +38,22 @@ impl Traces {
 
     pub(crate) fn with_switch(self, name: &str, is_on: bool) -> Self {
         self.with(name, if is_on { "true" } else { "false" })
+    }
+
+    /// With a switch that shows where it is on and changes something. Where it does not, it is off, or changes nothing.
+    #[must_use]
+    pub(crate) fn with_shown(self, name: &'static str, shows: bool) -> Self {
+        if shows {
+            return self.with_switch(name, true);
+        }
+        let mut either = self.with_either(name);
+        either.idle.push(name);
+        either
+    }
+
+    /// Whether a file that these options give again says nothing of one of them: it was on or off.
+    pub fn is_idle(&self, options: &Options, name: &str) -> bool {
+        self.idle.contains(&name) && options.is_on(name)
     }
 
     /// With a switch that does not show: on or off.

@@ -153,11 +153,7 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
         traces = traces.with("lods", "siblings");
     }
     // Without leaves it does not show.
-    traces = if uses(DIFFUSE_TRANSMISSION) {
-        traces.with_switch("translucency", true)
-    } else {
-        traces.with_either("translucency")
-    };
+    traces = traces.with_shown("translucency", uses(DIFFUSE_TRANSMISSION));
     if format.id == GLTF.id {
         traces = traces.with_switch("embed", embed);
     }

@@ -99,8 +99,7 @@ pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
     };
     // Without leaves it does not show.
     let is_translucent = names.has("ND_standard_surface_surfaceshader");
-    let traces =
-        if is_translucent { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
+    let traces = traces.with_shown("materialx", is_translucent);
     // What covers the ground is instanced whatever the options.
     let has_instances = names.has("PointInstancer");
     let traces = if has_instances && names.has_beginning("Ground_") {

@@ -547,8 +547,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
     let mesh_type = mesh_type.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let traces = nanite::traced(traces, mesh_type.as_deref());
     // Without leaves it does not show.
-    let traces =
-        if materialx { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
+    let traces = traces.with_shown("materialx", materialx);
     Ok(Traces { setting, seasons: seasons || ages, ..traces })
 }
 

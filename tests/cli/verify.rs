@@ -285,6 +285,61 @@ fn models_in_folders_that_are_cut_off_fail() {
 }
 
 #[test]
+fn models_of_others_that_cannot_be_read_are_named_and_are_no_failure() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "a.glb"]);
+    folder.write("next.glb", [&b"glTF"[..], &3_u32.to_le_bytes(), &[0; 20]].concat());
+    let elsewhere = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"gone.bin","byteLength":4}]}"#;
+    folder.write("elsewhere.gltf", elsewhere);
+    let (said, report) = verify(&folder, &["."]);
+    assert_eq!(said.code, Some(0), "{}", said.out);
+    assert_eq!(report["without_recipe"], serde_json::json!(["./elsewhere.gltf", "./next.glb"]));
+    // So are those that there is no memory for.
+    let sparse = fs::File::create(folder.file("large.ply")).unwrap();
+    sparse.set_len(3 << 30).unwrap();
+    let (said, report) = verify(&folder, &[".", "--memory=1G"]);
+    assert_eq!((said.code, report["without_recipe"].as_array().unwrap().len()), (Some(0), 3), "{}", said.out);
+}
+
+#[test]
+fn a_payload_belongs_to_the_layer_beside_it() {
+    let folder = Folder::new();
+    let args = ["--set", "usda.payload=true", "--seasons", "summer,bare", "-o", "p.usda"];
+    export(&folder, "dressed-simple", &args);
+    assert!(folder.file("p_payload.usda").exists(), "{:?}", folder.names());
+    let (said, report) = verify(&folder, &["."]);
+    assert_eq!((said.code, &report["without_recipe"]), (Some(0), &serde_json::json!([])), "{}", said.out);
+    // By itself it is anyone's.
+    fs::rename(folder.file("p_payload.usda"), folder.file("q_payload.usda")).unwrap();
+    let (_, report) = verify(&folder, &["."]);
+    assert_eq!(report["without_recipe"], serde_json::json!(["./q_payload.usda"]));
+}
+
+/// A switch that changes nothing in a file may have been on or off.
+#[test]
+fn options_that_do_not_show_are_not_said() {
+    let folder = Folder::new();
+    let leafy = ["dressed-simple", "fir"];
+    for (at, source) in leafy.into_iter().enumerate() {
+        for value in ["true", "false"] {
+            let (glb, usd) = (format!("{at}{value}.glb"), format!("{at}{value}.usda"));
+            let set = [format!("glb.translucency={value}"), format!("usda.materialx={value}")];
+            export(&folder, source, &["-o", &glb, "-o", &usd, "--set", &set[0], "--set", &set[1]]);
+            for (file, option) in [(&glb, "translucency"), (&usd, "materialx")] {
+                let (_, report) = verify(&folder, &[file, "--bytes"]);
+                let row = &report["files"][0];
+                let expected = if source == "fir" { Value::Null } else { value.into() };
+                assert_eq!(
+                    (&row["outcome"], &row["options"][option]),
+                    (&"same-bytes".into(), &expected),
+                    "{file}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
 fn what_is_not_there_is_a_row_beside_the_others() {
     let folder = Folder::new();
     export(&folder, "fir", &["-o", "a.gltf"]);

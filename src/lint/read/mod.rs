@@ -47,6 +47,14 @@ pub enum ReadError {
         /// For people.
         problem: String,
     },
+    /// It may be whole, and is beyond what is read: another version, deeper or more than there may be, a file that is elsewhere.
+    #[error("{format}: {problem}")]
+    Beyond {
+        /// Which one.
+        format: &'static str,
+        /// For people.
+        problem: String,
+    },
     /// It is whole, and holds no mesh: points, a skeleton.
     #[error("{0}: there are no triangles in it")]
     NoTriangles(&'static str),
@@ -69,6 +77,10 @@ pub enum ReadError {
 impl ReadError {
     pub(crate) fn broken(format: &'static str, problem: impl AsRef<str>) -> Self {
         Self::Broken { format, problem: printable(problem.as_ref()) }
+    }
+
+    pub(crate) fn beyond(format: &'static str, problem: impl AsRef<str>) -> Self {
+        Self::Beyond { format, problem: printable(problem.as_ref()) }
     }
 }
 

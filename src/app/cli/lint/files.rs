@@ -102,7 +102,7 @@ impl Found {
 }
 
 /// The file that an export has beside the payload that it wrote: `oak.usda` of `oak_payload.usda`.
-fn whole(path: &Path) -> Option<PathBuf> {
+pub fn whole(path: &Path) -> Option<PathBuf> {
     let stem = path.file_stem()?.to_str()?.strip_suffix("_payload")?;
     Some(path.with_file_name(format!("{stem}.{}", path.extension()?.to_str()?)))
 }

@@ -11,7 +11,7 @@ use linden::recipe::VERSION;
 use linden_lint::{Asset, Config, PROFILES, RULES, ReadError, Report, Severity, lint};
 use serde::Serialize;
 
-pub use self::files::read as read_file;
+pub use self::files::{read as read_file, whole as whole_of};
 
 use self::files::Model;
 use crate::exit::{sentence, usage};

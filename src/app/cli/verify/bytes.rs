@@ -50,7 +50,9 @@ pub fn compare(path: &Path, levels: &Levels, monitor: &dyn Monitor) -> anyhow::R
                 match attempt.difference(path, pictures, levels, &traces, monitor)? {
                     Difference::None(beside) => {
                         let format = exporter.format().id;
-                        let options = options.iter().map(|(name, value)| (name, value.to_string())).collect();
+                        // What changes nothing in it may have been on or off.
+                        let shown = options.iter().filter(|(name, _)| !traces.is_idle(options, name));
+                        let options = shown.map(|(name, value)| (name, value.to_string())).collect();
                         return Ok(Bytes::Same { format, options, beside });
                     }
                     Difference::At(place)

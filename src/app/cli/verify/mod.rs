@@ -17,6 +17,7 @@ use serde::Serialize;
 
 use self::row::{Outcome, Row};
 use self::strangers::Strangers;
+use crate::cli::lint::whole_of;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::progress::Progress;
@@ -69,8 +70,10 @@ impl Verify {
         let are_all_compared = rows.iter().all(|row| row.outcome != Outcome::SameTree);
         rows.extend(found.listed.unchecked(&others, are_all_compared));
         let known: BTreeSet<PathBuf> = rows.iter().map(|row| row.path.clone()).collect();
-        let Strangers { broken, whole } =
+        let Strangers { broken, mut whole } =
             strangers::among(others.iter().filter(|path| !known.contains(*path)), &progress)?;
+        // A payload belongs to the layer beside it, which carries the recipe of both.
+        whole.retain(|path| !whole_of(path).is_some_and(|layer| known.contains(&layer)));
         let failed: BTreeSet<&Path> = broken.iter().map(|row| row.path.as_path()).collect();
         others.retain(|path| !failed.contains(path.as_path()));
         rows.extend(broken);

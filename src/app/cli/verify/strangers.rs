@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
+use linden::memory::OverMemory;
 use linden_lint::{ENDINGS, ReadError};
 
 use super::row::{Outcome, Row};
@@ -47,10 +48,16 @@ fn problem(path: &Path, progress: &Progress) -> Option<String> {
         return Some("it is empty".to_owned());
     }
     let error = read_file(path, true, progress).err()?;
-    // Points alone are a model too; what is too large to be read may be whole.
-    let may_be_whole = matches!(
+    // Points alone are a model too; what is too large or too new to be read may be whole.
+    let is_beyond = matches!(
         error.downcast_ref(),
-        Some(ReadError::NoTriangles(_) | ReadError::Elsewhere { .. } | ReadError::Memory(_))
+        Some(
+            ReadError::NoTriangles(_)
+                | ReadError::Elsewhere { .. }
+                | ReadError::Beyond { .. }
+                | ReadError::Memory(_)
+        )
     );
+    let may_be_whole = is_beyond || error.chain().any(<dyn std::error::Error>::is::<OverMemory>);
     (!may_be_whole).then(|| sentence(&error).replace(['\n', '\r'], " "))
 }

@@ -68,6 +68,10 @@ fn broken(problem: impl AsRef<str>) -> ReadError {
     ReadError::broken("glTF", problem)
 }
 
+fn beyond(problem: impl AsRef<str>) -> ReadError {
+    ReadError::beyond("glTF", problem)
+}
+
 /// The document and the binary chunk of a GLB; a `.gltf` is all document.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
     if !bytes.starts_with(b"glTF") {
@@ -79,7 +83,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
     };
     let version = word(4)?;
     if version != 2 {
-        return Err(broken(format!("version {version} is not read, only 2")));
+        return Err(beyond(format!("version {version} is not read, only 2")));
     }
     let (mut at, mut json, mut binary) = (12, None, None);
     while at < bytes.len() {
@@ -109,7 +113,7 @@ fn buffers(
     for (index, buffer) in document.buffers.iter().enumerate() {
         monitor.check()?;
         let content = match &buffer.uri {
-            Some(uri) => Some(content(uri, beside).map_err(|why| broken(format!("its buffer {why}")))?),
+            Some(uri) => Some(content(uri, beside).map_err(|why| beyond(format!("its buffer {why}")))?),
             None if index == 0 => binary.map(<[u8]>::to_vec),
             None => None,
         };

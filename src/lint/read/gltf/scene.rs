@@ -6,7 +6,7 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 
 use super::accessor::Buffers;
 use super::document::{Document, Node};
-use super::{ReadError, broken};
+use super::{ReadError, beyond, broken};
 use crate::asset::{Aspect, Asset};
 use crate::read::MOST_PLACES;
 use crate::read::arrange::{Drawn, arrange};
@@ -119,7 +119,7 @@ impl Walk<'_> {
     ) -> Result<(), ReadError> {
         let Some(mesh) = node.mesh else { return Ok(()) };
         let meshes = self.pieces.get(mesh).ok_or_else(|| broken(format!("there is no mesh {mesh}")))?;
-        let too_many = || broken(format!("its meshes have more than {MOST_PLACES} places"));
+        let too_many = || beyond(format!("its meshes have more than {MOST_PLACES} places"));
         let bound = node.skin.map(|skin| self.bound(skin)).transpose()?.flatten();
         let places = match &node.extensions.instancing {
             None => vec![bound.unwrap_or(at)],

@@ -8,7 +8,7 @@ use openusd::sdf::{AbstractData, Data, Path, Value};
 use openusd::usda;
 
 use super::mesh::vectors;
-use super::{ReadError, broken};
+use super::{ReadError, beyond, broken};
 use crate::asset::{Aspect, Asset};
 use crate::read::MOST_PLACES;
 use crate::read::arrange::level_of;
@@ -44,7 +44,7 @@ impl Layer {
             deepest = deepest.max(depth);
         }
         if deepest > DEEPEST {
-            return Err(broken(format!("it is nested deeper than {DEEPEST}")));
+            return Err(beyond(format!("it is nested deeper than {DEEPEST}")));
         }
         let data = usda::parse(text).map_err(|error| broken(format!("{error:#}")))?;
         Ok(Self::of(data))
@@ -282,7 +282,7 @@ impl Layer {
 }
 
 pub(super) fn too_many() -> ReadError {
-    broken(format!("its meshes have more than {MOST_PLACES} places"))
+    beyond(format!("its meshes have more than {MOST_PLACES} places"))
 }
 
 /// A path without variants.

@@ -50,6 +50,10 @@ pub(super) fn broken(problem: impl AsRef<str>) -> ReadError {
     ReadError::broken("USD", problem)
 }
 
+pub(super) fn beyond(problem: impl AsRef<str>) -> ReadError {
+    ReadError::beyond("USD", problem)
+}
+
 /// Meshes and materials of one layer.
 fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(), ReadError> {
     let root = root(layer);

@@ -47,7 +47,7 @@ pub(super) fn read(
         layer = parse(&bytes, monitor)?;
         layer.chosen = chosen;
     }
-    Err(super::broken(format!("its payloads have payloads, more than {MOST_WITHIN} in a row")))
+    Err(super::beyond(format!("its payloads have payloads, more than {MOST_WITHIN} in a row")))
 }
 
 /// Files as a layer in some folder names them.

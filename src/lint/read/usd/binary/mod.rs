@@ -28,7 +28,7 @@ use self::bytes::Bytes;
 pub(super) use self::bytes::Room;
 use self::sections::Sections;
 use self::values::{Rep, Values};
-use super::{ReadError, broken};
+use super::{ReadError, beyond, broken};
 
 /// How a crate file begins.
 pub(super) const MAGIC: &[u8] = b"PXR-USDC";
@@ -67,7 +67,7 @@ pub(super) fn parse(bytes: &[u8], room: &mut Room<'_>) -> Result<Data, ReadError
     bootstrap.take(MAGIC.len())?;
     let [major, minor, patch, ..] = bootstrap.numbers::<8>()?;
     if major != 0 || !(OLDEST..=NEWEST).contains(&minor) {
-        return Err(broken(format!(
+        return Err(beyond(format!(
             "its binary layer is of version {major}.{minor}.{patch}; 0.{OLDEST} to 0.{NEWEST} can be read; \
              'usdcat in.usdc -o out.usda' (usd-core) makes text of it"
         )));

@@ -3,7 +3,7 @@
 use openusd::sdf::Path;
 
 use super::super::layer::DEEPEST;
-use super::super::{ReadError, broken};
+use super::super::{ReadError, beyond, broken};
 use super::bytes::{Bytes, Room};
 use super::packed::integers;
 use super::sections::Names;
@@ -57,7 +57,7 @@ pub(super) fn read(mut bytes: Bytes<'_>, names: &Names, room: &mut Room<'_>) -> 
                 above = path;
                 depth += 1;
                 if depth > DEEPEST {
-                    return Err(broken(format!("it is nested deeper than {DEEPEST}")));
+                    return Err(beyond(format!("it is nested deeper than {DEEPEST}")));
                 }
             }
             at += 1;
