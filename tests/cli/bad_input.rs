@@ -80,6 +80,46 @@ fn flags_of_other_commands_are_told_what_does_it_here() {
     refused_usage(&["export", "oak", "--trian", "5"], &["a similar argument exists: '--triangles'"]);
 }
 
+#[test]
+fn tips_are_of_the_command_that_was_typed() {
+    let tips = |args: &[&str]| {
+        let said = Folder::new().run(args);
+        assert_eq!(said.code, Some(2), "{args:?}");
+        let tips = said.err.lines().filter_map(|line| line.trim().strip_prefix("tip: ").map(str::to_owned));
+        tips.collect::<Vec<_>>().join("; ")
+    };
+    for (args, expected) in [
+        (
+            &["batch", "m.toml", "--set", "points=3"][..],
+            "the manifest says it, of each of its [[trees]]: set =",
+        ),
+        (&["batch", "m.toml", "--seed", "3"], "seeds = \"1..50\""),
+        (&["batch", "m.toml", "--ages"], "ages = [\"young\""),
+        (&["open", "oak", "--lods", "3"], "'--set lods=VALUE' turns a knob of that name"),
+        (&["impostor", "oak", "--triangles", "9", "-o", "a.json"], "'--set triangles=VALUE'"),
+        (&["cache", "--clear"], "it is no flag: 'linden cache clear'"),
+        (&["forest", "oak", "--ages"], "'--set age=0.5'; several on a picture"),
+        (&["export", "oak", "-lods", "3"], "a similar argument exists: '--lods'"),
+        (&["export", "oak", "-triangles=9"], "a similar argument exists: '--triangles'"),
+        (&["list", "oak"], "'linden show oak' describes it"),
+    ] {
+        let found = tips(args);
+        assert!(found.contains(expected), "{args:?}: {found}");
+    }
+    // What is far off is worse than none.
+    for args in [
+        &["export", "oak", "--force"][..],
+        &["export", "oak", "--scalar", "2"],
+        &["export", "oak", "-x", "3"],
+        &["export", "oak", "-j3"],
+        &["list", "aok"],
+    ] {
+        assert_eq!(tips(args), "", "{args:?}");
+    }
+    let verify = tips(&["verify", "a.glb", "--season", "autumn"]);
+    assert!(!verify.contains("--set") && verify.contains("linden export"), "{verify}");
+}
+
 /// A flag is no source: what is passed as one behind `--` would not be found.
 #[test]
 fn no_flag_is_advised_to_be_a_source() {

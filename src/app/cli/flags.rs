@@ -3,26 +3,19 @@
 use clap::Command;
 use clap::builder::StyledStr;
 use linden::knob::nearest;
+use linden::preset::KNOBS;
 
-/// Flags that other commands have, or none, of which [`meant_by`] knows something.
+/// Flags that other commands have, or none, of which [`Here::meant_by`] knows something.
 const MEANT: [&str; 4] = ["--season", "--seasons", "--ages", "--mkdir"];
 
-/// What does what a flag of other commands, or of none, asks for.
-fn meant_by(command: Option<&str>, flag: &str) -> Option<&'static [&'static str]> {
-    match flag {
-        "--mkdir" if command == Some("batch") => {
-            Some(&["'linden batch' makes the folder of --out, and those in it, without a flag"])
-        }
-        "--season" | "--seasons" => Some(&[
-            "one season is a knob: '--set season=autumn'",
-            "a file for each: 'linden export SOURCE --seasons'",
-        ]),
-        "--ages" => {
-            Some(&["one age: '--age 10y'", "several on a picture: 'linden sheet SOURCE --ages -o ages.png'"])
-        }
-        _ => None,
-    }
-}
+/// What stands in a manifest, by the flags that other commands have for it.
+const IN_MANIFESTS: [(&[&str], &str); 5] = [
+    (&["--set", "--triangles", "--wind", "--lods"], "set = { triangles = 20000 }"),
+    (&["--seed", "--seeds"], "seeds = \"1..50\""),
+    (&["--define"], "define = { r1 = [0.8, 0.9] }"),
+    (&["--age", "--ages"], "ages = [\"young\", \"10y\"]"),
+    (&["--format"], "formats = [\"glb\"]"),
+];
 
 /// What may be meant by a flag.
 #[derive(Debug, PartialEq)]
@@ -34,20 +27,32 @@ pub enum Meant {
     Nothing,
 }
 
+/// The command that was typed, with its flags.
+struct Here<'a> {
+    name: Option<&'a str>,
+    command: &'a Command,
+    flags: Vec<String>,
+}
+
 impl Meant {
     /// What is meant by `typed`, which `command` of the built `program` does not have.
     pub fn by(typed: &str, command: Option<&str>, program: &Command) -> Self {
-        let tips = |tips: &[&str]| Self::Tips(tips.iter().map(|tip| (*tip).to_owned()).collect());
-        if let Some(known) = meant_by(command, typed) {
-            return tips(known);
+        let found = command.and_then(|name| program.find_subcommand(name)).unwrap_or(program);
+        let here = Here { name: command, command: found, flags: flags_of(found) };
+        let known = here.meant_by(typed);
+        if !known.is_empty() {
+            return Self::Tips(known);
         }
-        let here = command.and_then(|name| program.find_subcommand(name)).unwrap_or(program);
-        let flags = flags_of(here);
-        if let Some(flag) = spelt_alike(typed, &flags) {
+        if let Some(flag) = spelt_alike(typed, here.flags.iter().map(String::as_str)) {
             return Self::Flag(flag);
         }
-        if let Some(known) = nearest(typed, MEANT).and_then(|flag| meant_by(command, flag)) {
-            return tips(known);
+        let known = spelt_alike(typed, MEANT).map(|flag| here.meant_by(&flag)).unwrap_or_default();
+        if !known.is_empty() {
+            return Self::Tips(known);
+        }
+        let tips: Vec<String> = here.word(typed).into_iter().chain(here.knob(typed)).collect();
+        if !tips.is_empty() {
+            return Self::Tips(tips);
         }
         let has_it = |command: &&Command| flags_of(command).iter().any(|flag| flag == typed);
         let of_others: Vec<String> = program
@@ -59,6 +64,72 @@ impl Meant {
             return Self::Nothing;
         }
         Self::Tips(vec![format!("{typed} is a flag of {}", of_others.join(", "))])
+    }
+
+    /// What is meant by the letters behind a single dash: a flag whose second dash is missing.
+    pub fn by_letters(word: &str, command: Option<&str>, program: &Command) -> Self {
+        let found = command.and_then(|name| program.find_subcommand(name)).unwrap_or(program);
+        let flag = format!("-{word}");
+        let flag = flag.split_once('=').map_or(flag.as_str(), |(flag, _)| flag);
+        let is_flag = flags_of(found).iter().any(|known| known == flag);
+        if is_flag { Self::Flag(flag.to_owned()) } else { Self::Nothing }
+    }
+}
+
+impl Here<'_> {
+    fn has(&self, flag: &str) -> bool {
+        self.flags.iter().any(|known| known == flag)
+    }
+
+    /// What does here what a flag of other commands, or of none, asks for.
+    fn meant_by(&self, flag: &str) -> Vec<String> {
+        let mut tips: Vec<&str> = Vec::new();
+        if self.name == Some("batch") {
+            let in_manifest = IN_MANIFESTS.iter().find(|(flags, _)| flags.contains(&flag));
+            if let Some((_, line)) = in_manifest {
+                return vec![format!("the manifest says it, of each of its [[trees]]: {line}")];
+            }
+            if flag == "--mkdir" {
+                tips.push("'linden batch' makes the folder of --out, and those in it, without a flag");
+            }
+        }
+        match flag {
+            "--season" | "--seasons" => {
+                if self.has("--set") {
+                    tips.push("one season is a knob: '--set season=autumn'");
+                }
+                tips.push("a file for each: 'linden export SOURCE --seasons'");
+            }
+            "--ages" => {
+                if self.has("--age") {
+                    tips.push("one age: '--age 10y'");
+                } else if self.has("--set") {
+                    tips.push("an age is a knob: '--set age=0.5'");
+                }
+                tips.push("several on a picture: 'linden sheet SOURCE --ages -o ages.png'");
+            }
+            _ => {}
+        }
+        tips.into_iter().map(str::to_owned).collect()
+    }
+
+    /// The command with a word of its own in the place of the flag: `linden cache clear`.
+    fn word(&self, typed: &str) -> Option<String> {
+        let word = typed.strip_prefix("--")?;
+        let name = self.name?;
+        let is_value = self
+            .command
+            .get_positionals()
+            .any(|argument| argument.get_possible_values().iter().any(|value| value.get_name() == word));
+        let is_command = self.command.find_subcommand(word).is_some();
+        (is_value || is_command).then(|| format!("it is no flag: 'linden {name} {word}'"))
+    }
+
+    /// The knob that is called like the flag, where knobs can be turned.
+    fn knob(&self, typed: &str) -> Option<String> {
+        let name = typed.strip_prefix("--")?.replace('-', "_");
+        let is_knob = self.has("--set") && KNOBS.iter().any(|row| row.knob.is_called(&name));
+        is_knob.then(|| format!("'--set {name}=VALUE' turns a knob of that name"))
     }
 }
 
@@ -75,11 +146,13 @@ fn flags_of(command: &Command) -> Vec<String> {
     shown.filter_map(|argument| Some(format!("--{}", argument.get_long()?))).collect()
 }
 
-/// The flag that is a few letters away, or that what was typed begins.
-fn spelt_alike(typed: &str, flags: &[String]) -> Option<String> {
-    // Three letters, with the dashes.
-    const LEAST: usize = 5;
-    let begun =
-        || flags.iter().find(|flag| typed.len() >= LEAST && flag.starts_with(typed)).map(String::as_str);
-    nearest(typed, flags.iter().map(String::as_str)).or_else(begun).map(str::to_owned)
+/// The flag that is a few letters away, or that what was typed begins. Dashes, which all have, are no letters: `--force` is not
+/// `--for`.
+fn spelt_alike<'a>(typed: &str, flags: impl IntoIterator<Item = &'a str>) -> Option<String> {
+    const LEAST: usize = 3;
+    let letters = |flag: &'a str| flag.strip_prefix("--").unwrap_or(flag);
+    let typed = typed.strip_prefix("--").unwrap_or(typed);
+    let flags: Vec<&str> = flags.into_iter().map(letters).collect();
+    let begun = || flags.iter().find(|flag| typed.len() >= LEAST && flag.starts_with(typed)).copied();
+    nearest(typed, flags.iter().copied()).or_else(begun).map(|flag| format!("--{flag}"))
 }

@@ -462,6 +462,16 @@ fn tell_what_takes_a_source(error: &mut clap::Error) {
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
 }
 
+/// Where a source stands behind a command that takes none, says which do.
+fn tell_what_takes_a_source_here(error: &mut clap::Error, typed: &str) {
+    use clap::error::{ContextKind, ContextValue};
+    if source::ensure_there(Path::new(typed)).is_ok() {
+        let typed = crate::paths::show(Path::new(typed));
+        let tip = format!("'linden show {typed}' describes it, 'linden preview {typed}' draws it");
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
+}
+
 /// Says what a flag that the command does not have is called here, or which commands have it.
 fn tell_what_is_meant(error: &mut clap::Error) {
     use clap::error::{ContextKind, ContextValue};
@@ -469,13 +479,20 @@ fn tell_what_is_meant(error: &mut clap::Error) {
         return;
     }
     let Some(ContextValue::String(typed)) = error.get(ContextKind::InvalidArg) else { return };
-    if !typed.starts_with("--") {
-        return;
+    if !typed.starts_with('-') {
+        return tell_what_takes_a_source_here(error, &typed.clone());
     }
     let mut program = Cli::command();
     program.build();
-    let command = std::env::args().skip(1).find(|word| program.find_subcommand(word).is_some());
-    let meant = flags::Meant::by(typed, command.as_deref(), &program);
+    let mut words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
+    let command = words.find(|word| program.find_subcommand(word).is_some());
+    let meant = if typed.starts_with("--") {
+        flags::Meant::by(typed, command.as_deref(), &program)
+    } else {
+        // All letters that were typed with it.
+        let word = words.find(|word| word.starts_with(typed.as_str())).unwrap_or_else(|| typed.clone());
+        flags::Meant::by_letters(&word, command.as_deref(), &program)
+    };
     // No flag is a source: the way to pass it as one is no advice. And what clap finds alike often begins alike only.
     error.remove(ContextKind::Suggested);
     error.remove(ContextKind::SuggestedArg);
