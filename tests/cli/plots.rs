@@ -143,6 +143,16 @@ fn what_is_wrong_with_a_tree_stops_no_other() {
     let rows = table(&folder.read("trees/trees.csv"));
     assert!(rows[&1000]["error"].contains("points") && rows[&1000]["files"].is_empty(), "{rows:?}");
     assert!(rows[&7]["error"].is_empty() && folder.read("trees/7.glb").starts_with(b"glTF"));
+    // The same as one document, which lists what was written.
+    let said = folder.run(&["export", "plot.csv", "-o", "again/", "--no-sync", "--json"]);
+    let document = said.json();
+    let files = document["files"].as_array().unwrap();
+    let paths: Vec<&str> = files.iter().map(|file| file["path"].as_str().unwrap()).collect();
+    assert_eq!((said.code, paths), (Some(1), vec!["again/7.glb", "again/21.glb", "again/trees.csv"]));
+    for file in files {
+        let bytes = folder.read(file["path"].as_str().unwrap()).len() as u64;
+        assert_eq!(file["bytes"].as_u64(), Some(bytes), "{file}");
+    }
 }
 
 #[test]
