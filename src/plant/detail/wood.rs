@@ -69,11 +69,23 @@ impl<'a> Wood<'a> {
             stays.push(limit_m.min(parent_m));
             splitter.rank(skeleton, axis, 1.0 + STEM * base_m / thickest_m, &mut needed);
         }
-        // Something must stay: the thickest stem, the first of those.
-        let stems = (0..stays.len()).filter(|&i| skeleton.axes[i].parent == NO_PARENT);
+        // Something must stay: the thickest stem, the first of those. Of one that forks where it begins there is nothing to
+        // be seen: then the thickest that leaves there, too.
+        let leaves_from = |axis: usize| skeleton.axes[axis].parent;
         let thicker = |a: &usize, b: &usize| stays[*a].total_cmp(&stays[*b]).then(b.cmp(a));
-        if let Some(stem) = stems.max_by(thicker) {
-            stays[stem] = f32::INFINITY;
+        let is_stem = |axis: &usize| leaves_from(*axis) == NO_PARENT;
+        let mut next = (0..stays.len()).filter(is_stem).max_by(thicker);
+        let mut kept = Vec::new();
+        while let Some(axis) = next {
+            kept.push(axis);
+            let is_on = |lateral: &usize| {
+                !is_stem(lateral) && axis_of[leaves_from(*lateral) as usize] as usize == axis
+            };
+            let laterals = (axis + 1..stays.len()).filter(is_on);
+            next = if has_length(skeleton, axis) { None } else { laterals.max_by(thicker) };
+        }
+        for axis in kept {
+            stays[axis] = f32::INFINITY;
         }
         Ok(Self { skeleton, stays, needed, axis_of })
     }
@@ -172,6 +184,15 @@ impl<'a> Wood<'a> {
         thin.marks.cuts.sort_unstable();
         (thin, axes)
     }
+}
+
+/// Whether an axis leads anywhere.
+fn has_length(skeleton: &Skeleton, axis: usize) -> bool {
+    let axis = &skeleton.axes[axis];
+    let root = Some(axis.parent).filter(|&node| node != NO_PARENT);
+    let mut places =
+        root.iter().chain(skeleton.nodes_of(axis)).map(|&node| skeleton.positions[node as usize]);
+    places.next().is_some_and(|first| places.any(|place| place != first))
 }
 
 fn thickest_m(skeleton: &Skeleton) -> f32 {
@@ -299,6 +320,21 @@ mod tests {
                 "foot and tip of the stem"
             );
         }
+    }
+
+    #[test]
+    fn of_a_tree_that_forks_where_it_begins_a_limb_stays() {
+        let whole = skeleton("abop-bush");
+        // Its stem is a node.
+        assert_eq!(whole.axes[0].len, 1);
+        let wood = Wood::new(&whole, &Exposure::default(), &Quiet).unwrap();
+        let (thin, axes) = wood.thinned(&with(1e3, 1e3));
+        let length = |axis: &Axis| {
+            let tip = thin.nodes_of(axis).last().map(|&tip| thin.positions[tip as usize]);
+            tip.map_or(0.0, |tip| tip.distance(thin.positions[axis.parent as usize]))
+        };
+        assert_eq!((axes.len(), thin.axes[1].parent), (2, 0));
+        assert!(length(&thin.axes[1]) > 0.0);
     }
 
     #[test]
