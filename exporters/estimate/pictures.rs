@@ -2,24 +2,24 @@
 
 use linden_pipeline::preset::{BarkSettings, DetailSettings};
 use linden_pipeline::recipe::{Geometry, Recipe};
-use linden_pipeline::surface::{FOOT_EDGE_TILES, Junction};
+use linden_pipeline::surface::Junction;
 use linden_pipeline::texture::BarkStyle;
 
 /// All pictures of a bark as PNG, drawn or from files.
 pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {
     let look = &recipe.preset.dressing.bark;
     let is_parted = recipe.preset.dressing.tubes.junction != Junction::Watertight;
-    let foot =
-        recipe.preset.dressing.foot_bark().filter(|_| is_parted && look.is_drawn()).map_or(0, |foot| {
-            let look = BarkSettings { style: foot.style, relief: None, ..look.clone() };
-            FOOT_TILES * picture_bytes(&look)
-        });
     let is_mossy = look.moss.amount > 0.0 && is_parted;
-    bare_bytes(recipe) + foot + if is_mossy { mossy_bytes(recipe) } else { 0 }
+    let moss = if is_mossy { mossy_bytes(recipe) } else { 0 };
+    let dressing = &recipe.preset.dressing;
+    let foot = dressing.foot_bark().zip(dressing.tubes.foot_edge()).filter(|_| look.is_drawn());
+    let foot = foot.map_or(0, |(foot, [from, to])| {
+        let look = BarkSettings { style: foot.style, relief: None, ..look.clone() };
+        // That of the foot, and the edge above it, which is as many tiles high.
+        u64::from(1 + to - from) * (picture_bytes(&look) + moss)
+    });
+    bare_bytes(recipe) + moss + foot
 }
-
-/// What the bark of the foot and the edge of two tiles above it take, in pictures of one tile.
-const FOOT_TILES: u64 = 1 + FOOT_EDGE_TILES as u64;
 
 /// Those of bark with moss: one as large as the bark's own, three of a quarter of its pixels.
 fn mossy_bytes(recipe: &Recipe) -> u64 {

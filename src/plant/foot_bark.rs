@@ -1,6 +1,6 @@
 //! The bark of the foot: which triangles of the trunk have it, and the materials for that.
 //!
-//! It begins at the ground. Above, over [`FOOT_EDGE_TILES`] tiles of bark, the trunk's own is torn open over it: a part with a
+//! It begins at the ground. Above, over one or two tiles of bark, the trunk's own is torn open over it: a part with a
 //! picture of both, which begins and ends at a ring.
 
 use linden_base::color::linear;
@@ -12,7 +12,7 @@ use linden_skeleton::{NO_PARENT, Skeleton};
 use crate::Specimen;
 use crate::dress::bark_material;
 use crate::scene::Material;
-use crate::surface::{Amount, FOOT_EDGE_TILES, Tubes};
+use crate::surface::{Amount, Tubes};
 use crate::texture::{BarkError, Torn};
 
 /// What parts and materials are called, after `wood` and `bark`: all of it, and the edge where it ends.
@@ -27,8 +27,9 @@ pub(crate) fn materials(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Resul
     let Some(lower) = specimen.dressing.foot_bark().filter(|_| look.is_drawn()) else {
         return Ok(Vec::new());
     };
+    let Some([from, to]) = specimen.dressing.tubes.foot_edge() else { return Ok(Vec::new()) };
     let upper = look.bark();
-    let torn = Torn { tiles: FOOT_EDGE_TILES, key: Key::new(look.seed).named("torn") };
+    let torn = Torn { tiles: to - from, key: Key::new(look.seed).named("torn") };
     let (mut whole, mut edge) = (None, None);
     if specimen.wanted.colors {
         whole = Some(specimen.drawn.bark(&lower, monitor)?);
@@ -64,7 +65,8 @@ impl Foot {
     }
 
     /// The number of each triangle of tubes, which are `counts` one after another: 0 for the trunk's bark, else [`WHOLE`]
-    /// or [`EDGE`]. Stems change at their rings. Roots are the foot's, and other wood that is as low as the middle of the edge.
+    /// or [`EDGE`]. Stems that stand on the ground change at their rings. Roots are the foot's, and other wood that is as low as
+    /// the middle of the edge, however thin.
     pub fn numbers(
         &self,
         mesh: &Mesh,
@@ -73,33 +75,41 @@ impl Foot {
         monitor: &dyn Monitor,
     ) -> Result<Vec<u8>, Cancelled> {
         let mut numbers = Vec::with_capacity(mesh.triangles.len());
-        let mean = |corners: &[u32; 3], of: &dyn Fn(usize) -> f32| {
-            corners.iter().map(|&corner| of(corner as usize)).sum::<f32>() / 3.0
-        };
         let (mut vertex, mut triangle) = (0, 0);
         for (axis, amount) in skeleton.axes.iter().zip(counts) {
             monitor.check()?;
-            let is_stem = axis.parent == NO_PARENT;
+            let foot = skeleton.nodes_of(axis).first().filter(|_| axis.parent == NO_PARENT);
+            let foot = foot.map(|&node| (skeleton.positions[node as usize].y, skeleton.radii[node as usize]));
+            let stands_at_m = foot.filter(|(y, radius_m)| y - self.ground_m <= *radius_m).map(|(y, _)| y);
             let roots_from = vertex + amount.vertices - amount.roots[0];
-            let tube = vertex..roots_from - amount.stubs;
+            let stubs_from = roots_from - amount.stubs;
             for corners in &mesh.triangles[triangle..triangle + amount.triangles] {
-                let first = corners[0] as usize;
-                numbers.push(if is_stem && tube.contains(&first) {
-                    let tiles = mean(corners, &|i| mesh.uvs[i].y);
-                    match self.edge {
-                        [from, _] if tiles < from => WHOLE,
-                        [_, to] if tiles < to => EDGE,
-                        _ => 0,
+                let corners = corners.map(|corner| corner as usize);
+                let mean = |of: &dyn Fn(usize) -> f32| corners.into_iter().map(of).sum::<f32>() / 3.0;
+                let height_m = mean(&|i| mesh.positions[i].y);
+                numbers.push(match stands_at_m {
+                    Some(y) if corners[0] < stubs_from => {
+                        self.of_stem(mean(&|i| mesh.uvs[i].y), (height_m - y) / self.tile_m)
                     }
-                } else {
-                    let height_m = mean(corners, &|i| mesh.positions[i].y);
-                    u8::from(first >= roots_from || self.share(height_m) > 0.5) * WHOLE
+                    _ => u8::from(corners[0] >= roots_from || self.share(height_m) > 0.5) * WHOLE,
                 });
             }
             vertex += amount.vertices;
             triangle += amount.triangles;
         }
         Ok(numbers)
+    }
+
+    /// The number of a stem's triangle at a V of the bark, and at a height over its foot, in tiles. V is the way from the
+    /// foot, which is never less than the height: but where the stem ends it runs across the wood.
+    fn of_stem(&self, v: f32, height: f32) -> u8 {
+        let way = if height > v + 1.0 { height } else { v };
+        match self.edge {
+            // Where the edge begins at the ground, what is below is the edge, too.
+            [from, _] if way < from && from > 0.0 => WHOLE,
+            [_, to] if way < to => EDGE,
+            _ => 0,
+        }
     }
 
     /// Lays the picture of the edge on its part, once from ring to ring.
@@ -111,13 +121,18 @@ impl Foot {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use glam::Vec3;
 
     use super::*;
     use crate::detail::levels;
     use crate::scene::Scene;
+    use crate::surface::Junction;
     use crate::testing::{Subject, body};
     use linden_base::monitor::Quiet;
+    use linden_pipeline::preset::Preset;
+    use linden_pipeline::recipe::Recipe;
 
     const SMALL: [(&str, &str); 6] = [
         ("points", "400"),
@@ -202,7 +217,49 @@ mod tests {
         assert!(highest("wood_foot") <= highest("wood_foot_edge") && highest("wood_foot_edge") < 0.9);
         // Nothing of the trunk's own bark is left of the roots.
         let trunk = wood(&scene, "wood");
-        assert!(trunk.positions.iter().all(|place| place.y > 0.7 || radius_m(place) > 3.0 * trunk_m));
+        assert!(trunk.positions.iter().all(|place| place.y > 0.2));
+    }
+
+    #[test]
+    fn it_is_at_feet_alone() {
+        // Half of a tree that was cut off ends high up, across its bark.
+        let subject = oak(&[("foot_height", "1.2"), ("ends", "broken"), ("surface_roots", "0")]);
+        let mut grown = subject.grow();
+        let top = grown.skeleton.axis_nodes[grown.skeleton.axes[0].len as usize - 1];
+        Arc::make_mut(&mut grown.skeleton).marks.cuts = vec![top];
+        let highest = |scene: &Scene, name: &str| {
+            wood(scene, name).positions.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max)
+        };
+        let scene = subject.dress(&grown);
+        assert!(highest(&scene, "wood_foot") < 0.5 && highest(&scene, "wood_foot_edge") < 1.3);
+        // A second stem hangs in the air.
+        let poles = "id = \"poles\"\n[lsystem]\naxiom = \"FF[f(8)FF]\"\nrules = []\nderivations = 0\n\
+                     segment_length = 1\nsegment_width = 0.2\n[surface]\nfoot_height = 1.5\n[bark]\nbark_size = 64\n";
+        let subject = Subject::of(Recipe::new(Preset::from_toml(poles).unwrap()));
+        let scene = subject.dress(&subject.grow());
+        assert!(highest(&scene, "wood") > 11.0);
+        assert!(highest(&scene, "wood_foot") < 0.6 && highest(&scene, "wood_foot_edge") < 1.6);
+    }
+
+    #[test]
+    fn an_edge_is_no_higher_than_is_asked_for() {
+        let tubes = |height_m: f32, tile_m: f32| {
+            let mut tubes = Tubes { bark_tile_m: tile_m, ..Tubes::default() };
+            tubes.features.foot_height_m = height_m;
+            tubes
+        };
+        for (height_m, tile_m, edge) in [
+            (0.0, 0.5, None),
+            (0.2, 0.5, None),
+            (1.8, 10.0, None),
+            (0.3, 0.5, Some([0, 1])),
+            (0.8, 0.5, Some([0, 2])),
+            (1.8, 0.5, Some([2, 4])),
+        ] {
+            assert_eq!(tubes(height_m, tile_m).foot_edge(), edge, "{height_m} of {tile_m}");
+        }
+        let solid = Tubes { junction: Junction::Watertight, ..tubes(1.8, 0.5) };
+        assert_eq!(solid.foot_edge(), None);
     }
 
     #[test]
@@ -222,6 +279,14 @@ mod tests {
         };
         assert_eq!(has("wood_foot"), [true, true, false]);
         assert_eq!(has("wood_foot_edge"), [true, true, false]);
+        // Levels have one step of it, the same on all barks, down to the ground.
+        for level in &levels[..2] {
+            let mossy = level.scene.parts.iter().filter(|part| part.name.contains("moss"));
+            let steps: Vec<_> = mossy.clone().map(|part| part.name.rsplit('_').next()).collect();
+            assert!(steps.len() == 3 && steps.windows(2).all(|pair| pair[0] == pair[1]), "{steps:?}");
+            let lowest = mossy.flat_map(|part| &part.mesh.positions).map(|place| place.y);
+            assert!(lowest.fold(f32::INFINITY, f32::min) < 0.1);
+        }
         for level in &levels {
             let is_worn = |i: usize| level.scene.parts.iter().any(|part| part.material == i);
             let unworn = (0..level.scene.materials.len()).filter(|&i| !is_worn(i));

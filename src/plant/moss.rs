@@ -10,7 +10,7 @@ use crate::Specimen;
 use crate::scene::{Material, Part};
 use crate::settings::MossSettings;
 use crate::texture::{BarkError, Moss};
-use crate::wood_parts::{self, Cuts, slow_noise};
+use crate::wood_parts::{self, Cuts};
 use linden_base::mesh::Mesh;
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
@@ -33,6 +33,8 @@ const BY_FOOT: f32 = 0.5;
 const ALOFT: f32 = 0.3;
 /// How far noise moves a density.
 const NOISE: f32 = 0.22;
+/// Waves of the noise, to a metre.
+const WAVES_PER_M: f32 = 2.3;
 
 /// A single mossy part has at least this share of the wood's triangles.
 const WORTH_A_PART: f32 = 0.03;
@@ -96,8 +98,18 @@ impl<'a> Mossy<'a> {
         let foot = BY_FOOT * libm::expf(-5.0 * high);
         // Small amounts are thin everywhere.
         let amount = settings.amount;
-        amount.sqrt() * (faced.max(0.0) * low + foot) * (0.5 + 0.5 * amount)
-            + NOISE * slow_noise(self.key, place)
+        amount.sqrt() * (faced.max(0.0) * low + foot) * (0.5 + 0.5 * amount) + NOISE * self.noise(place)
+    }
+
+    /// -1 to 1, slow.
+    fn noise(&self, place: Vec3) -> f32 {
+        let wave = |name: &str, way: Vec3| {
+            let phase = self.key.named(name).between(0.0, std::f64::consts::TAU) as f32;
+            libm::sinf(WAVES_PER_M * std::f32::consts::TAU * place.dot(way) + phase)
+        };
+        let slow = wave("first", Vec3::new(0.31, 0.42, 0.12)) + wave("second", Vec3::new(-0.22, 0.35, 0.38));
+        let quick = wave("third", Vec3::new(1.1, -0.6, 0.7)) + wave("fourth", Vec3::new(-0.8, -0.9, 1.0));
+        0.3 * slow + 0.2 * quick
     }
 
     /// The step of each triangle of thick wood, 0 for bare bark.
@@ -113,19 +125,12 @@ impl<'a> Mossy<'a> {
         wood.triangles.iter().zip(is_thick).map(step).collect()
     }
 
-    /// Cuts mossy parts out of the trunk's: their materials follow each other from `first` on. Says which of the
-    /// [`materials`] these are. Of few steps no part is cut out with few of the wood's `all` triangles.
-    pub fn cut(
-        &self,
-        trunk: &Part,
-        is_thick: &[bool],
-        first: usize,
-        (which, all): (Cuts, usize),
-    ) -> (Vec<Part>, Vec<usize>) {
-        let mut steps = self.steps(&trunk.mesh, is_thick);
+    /// What covers a trunk. Of few steps nothing does where these would be few of the wood's `all` triangles.
+    pub fn cover(&self, trunk: &Mesh, is_thick: &[bool], (which, all): (Cuts, usize)) -> Covering {
+        let mut steps = self.steps(trunk, is_thick);
         let mut kept: Vec<usize> = (0..NAMES.len()).collect();
         if which == Cuts::Few {
-            let most = most_moss(&trunk.mesh, &steps);
+            let most = most_moss(trunk, &steps);
             for step in &mut steps {
                 *step = u8::from(usize::from(*step) > most);
             }
@@ -136,12 +141,28 @@ impl<'a> Mossy<'a> {
                 steps.fill(0);
             }
         }
-        let names: Vec<&str> = kept.iter().map(|&step| NAMES[step]).collect();
-        let mut parts = wood_parts::cut(trunk, &steps, &names);
-        for part in parts.iter_mut().filter(|part| part.material > trunk.material) {
-            part.material += first - trunk.material - 1;
+        Covering { steps, kept }
+    }
+}
+
+/// The moss on a trunk.
+pub(crate) struct Covering {
+    /// Of each triangle: 0 for bare bark, else the number of one of the `kept`, from 1.
+    pub steps: Vec<u8>,
+    /// Which of the [`materials`] there are.
+    pub kept: Vec<usize>,
+}
+
+impl Covering {
+    /// Cuts mossy parts out of a piece of the trunk, whose triangles have these steps. Their materials follow each other
+    /// from `first` on.
+    pub fn cut(&self, piece: &Part, steps: &[u8], first: usize) -> Vec<Part> {
+        let names: Vec<&str> = self.kept.iter().map(|&step| NAMES[step]).collect();
+        let mut parts = wood_parts::cut(piece, steps, &names);
+        for part in parts.iter_mut().filter(|part| part.material > piece.material) {
+            part.material += first - piece.material - 1;
         }
-        (parts, kept)
+        parts
     }
 }
 
@@ -157,7 +178,7 @@ fn most_moss(wood: &Mesh, steps: &[u8]) -> usize {
     (1..moss.len()).fold(0, |most, step| if moss[step] > moss[most] { step } else { most })
 }
 
-/// Bytes that [`Mossy::cut`] takes at most, the parts among them.
+/// Bytes that [`Covering::cut`] takes at most, the parts among them.
 pub(crate) fn bytes_to_cut(trunk: &Part) -> u64 {
     wood_parts::bytes_for(trunk) + trunk.mesh.triangles.len() as u64
 }
@@ -265,7 +286,10 @@ mod tests {
         let wood = trunk.mesh.triangles.len();
         Subject::builtin("drawn-oak", &[&knobs[..], &[("moss", "0.4")]].concat()).with(|specimen| {
             let mossy = Mossy::on(specimen, 0.0, grown.skeleton.foot_radius_m());
-            let cut = |all| mossy.cut(trunk, &vec![true; wood], 1, (Cuts::Few, all));
+            let cut = |all| {
+                let covering = mossy.cover(&trunk.mesh, &vec![true; wood], (Cuts::Few, all));
+                (covering.cut(trunk, &covering.steps, 1), covering.kept)
+            };
             let (parts, kept) = cut(wood);
             assert_eq!((parts.len(), kept.len()), (2, 1));
             assert_eq!(parts[1].name, format!("wood_{}", NAMES[kept[0]]));

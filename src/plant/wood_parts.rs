@@ -2,11 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec3;
-
 use linden_base::memory::bytes_of;
 use linden_base::mesh::Mesh;
-use linden_base::random::Key;
 
 use crate::scene::Part;
 use crate::settings::BarkSettings;
@@ -29,20 +26,6 @@ impl Cuts {
     pub const fn within(triangles: u64) -> Self {
         if triangles < BarkSettings::LEAST_TRIANGLES { Self::None } else { Self::Few }
     }
-}
-
-/// Waves of [`slow_noise`], to a metre.
-const WAVES_PER_M: f32 = 2.3;
-
-/// -1 to 1, slow: what bends the border between two parts.
-pub(crate) fn slow_noise(key: Key, place: Vec3) -> f32 {
-    let wave = |name: &str, way: Vec3| {
-        let phase = key.named(name).between(0.0, std::f64::consts::TAU) as f32;
-        libm::sinf(WAVES_PER_M * std::f32::consts::TAU * place.dot(way) + phase)
-    };
-    let slow = wave("first", Vec3::new(0.31, 0.42, 0.12)) + wave("second", Vec3::new(-0.22, 0.35, 0.38));
-    let quick = wave("third", Vec3::new(1.1, -0.6, 0.7)) + wave("fourth", Vec3::new(-0.8, -0.9, 1.0));
-    0.3 * slow + 0.2 * quick
 }
 
 /// Cuts a part into parts by the class of each triangle; vertices between two classes are in both, and twice in one
@@ -166,7 +149,7 @@ fn blown(wind: &PartWind, vertices: &[u32]) -> PartWind {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec2;
+    use glam::{Vec2, Vec3};
 
     use super::*;
 

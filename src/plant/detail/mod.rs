@@ -239,7 +239,7 @@ impl<'a> Simplifier<'a> {
                 SMOOTH_FROM * detail.tolerance_m / self.wood.thickest_m().max(f32::MIN_POSITIVE);
         }
         if !detail.foot_edge {
-            tubes.features.foot_bark_m = 0.0;
+            tubes.features.foot_height_m = 0.0;
         }
         tubes.features.flare_smallest_m = detail.smallest_ridge_m;
         tubes.features.roots.smallest_m = detail.smallest_root_m;

@@ -141,6 +141,10 @@ impl Wardrobe {
         let foot_m = foot_m(skeleton);
         let mossy = Mossy::on(specimen, foot_m, skeleton.foot_radius_m());
         let all = parts.iter().map(|part| part.mesh.triangles.len()).sum();
+        // Moss covers the whole trunk, whatever its barks.
+        let is_thick: Vec<bool> = marks.iter().map(|mark| mark & THICK > 0).collect();
+        let covering = mossy.cover(&trunk.mesh, &is_thick, (self.cuts, all));
+        let trunk = parts.remove(0);
         let mut cut = Vec::new();
         for (mut part, number) in by_foot(trunk, marks) {
             let coat = match number.checked_sub(1).map(usize::from) {
@@ -155,28 +159,27 @@ impl Wardrobe {
             if let Some(foot) = edge {
                 foot.stretch(&mut part.mesh);
             }
-            if coat.mossy.is_empty() {
+            let its = covering.steps.iter().zip(marks).filter(|(_, mark)| *mark & FOOT == number);
+            let its: Vec<u8> = its.map(|(step, _)| *step).collect();
+            if its.iter().all(|step| *step == 0) {
                 cut.push(part);
                 continue;
             }
-            let its = marks.iter().filter(|mark| **mark & FOOT == number);
-            let is_thick: Vec<bool> = its.map(|mark| mark & THICK > 0).collect();
-            let (pieces, kept) = mossy.cut(&part, &is_thick, materials.len(), (self.cuts, all));
-            cut.extend(pieces);
-            materials.extend(kept.into_iter().map(|step| coat.mossy[step].clone()));
+            cut.extend(covering.cut(&part, &its, materials.len()));
+            materials.extend(covering.kept.iter().map(|&step| coat.mossy[step].clone()));
         }
-        parts.splice(..1, cut);
+        parts.splice(..0, cut);
         Ok(())
     }
 }
 
 /// The trunk with its own bark, then that with the foot's and the edge, as far as there are any; each with its number.
-fn by_foot(trunk: &Part, marks: &[u8]) -> Vec<(Part, u8)> {
+fn by_foot(trunk: Part, marks: &[u8]) -> Vec<(Part, u8)> {
     let numbers: Vec<u8> = marks.iter().map(|mark| mark & FOOT).collect();
     if numbers.iter().all(|number| *number == 0) {
-        return vec![(trunk.clone(), 0)];
+        return vec![(trunk, 0)];
     }
-    let parts = wood_parts::cut(trunk, &numbers, &foot_bark::NAMES);
+    let parts = wood_parts::cut(&trunk, &numbers, &foot_bark::NAMES);
     let number = |part: Part| {
         let number = part.material as u8;
         (part, number)

@@ -52,7 +52,7 @@ pub struct BarkSettings {
 linden_base::words! {
     /// The kind of bark of wood that has one of its own.
     #[derive(Default)]
-    OwnStyle {
+    BarkChoice {
         /// Smooth on limbs and twigs, as young bark is; ridged at the foot, as old bark is.
         #[default]
         Auto = "auto",
@@ -81,16 +81,16 @@ pub struct ThinBark {
     /// The thickest wood that has it, metres; 0: none has.
     pub radius_m: f64,
     /// What kind of bark.
-    pub style: OwnStyle,
+    pub style: BarkChoice,
     /// Mean colour, sRGB; `None`: that of the trunk.
     pub color: Option<[u8; 3]>,
 }
 
-/// The bark of the trunk near the ground, up to [`crate::surface::Features::foot_bark_m`].
+/// The bark of the trunk near the ground, up to [`crate::surface::Features::foot_height_m`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FootBark {
     /// What kind of bark.
-    pub style: OwnStyle,
+    pub style: BarkChoice,
     /// Mean colour, sRGB; `None`: that of the trunk.
     pub color: Option<[u8; 3]>,
 }
@@ -286,7 +286,7 @@ impl BarkSettings {
         ),
         field!(
             "limb_bark",
-            Kind::Choice(OwnStyle::WORDS),
+            Kind::Choice(BarkChoice::WORDS),
             "",
             "kind of bark on limbs; auto: smooth",
             limbs.style,
@@ -314,7 +314,7 @@ impl BarkSettings {
         ),
         field!(
             "twig_bark",
-            Kind::Choice(OwnStyle::WORDS),
+            Kind::Choice(BarkChoice::WORDS),
             "",
             "kind of bark on twigs; auto: smooth",
             twigs.style,
@@ -330,7 +330,7 @@ impl BarkSettings {
         ),
         field!(
             "foot_bark",
-            Kind::Choice(OwnStyle::WORDS),
+            Kind::Choice(BarkChoice::WORDS),
             "",
             "kind of bark at the foot; auto: ridged",
             foot.style,

@@ -14,7 +14,7 @@ use crate::surface::Tubes;
 use crate::texture::{Bark, BarkStyle};
 use linden_base::random::Key;
 
-pub use bark::{BarkSettings, FootBark, OwnStyle, ThinBark};
+pub use bark::{BarkChoice, BarkSettings, FootBark, ThinBark};
 pub(crate) use bark::{LIMBS, TWIGS};
 pub use detail::DetailSettings;
 pub use foliage::{
@@ -47,7 +47,7 @@ impl Dressing {
         let (trunk, foot) = (self.bark.bark(), &self.bark.foot);
         let style = BarkStyle::named(foot.style.word()).unwrap_or(BarkStyle::Ridged);
         let usual = Bark::new(style, Key::new(self.bark.seed).named("foot"));
-        (self.tubes.features.foot_bark_m > 0.0).then(|| Bark {
+        self.tubes.foot_edge().is_some().then(|| Bark {
             color: foot.color.unwrap_or(trunk.color),
             size_px: trunk.size_px,
             roughness: trunk.roughness,

@@ -158,10 +158,10 @@ impl Tubes {
             real(0.0, 100.0),
             "m",
             "the trunk up to this height has the bark of the foot: foot_bark and foot_color; 0: all has that of the trunk",
-            features.foot_bark_m,
+            features.foot_height_m,
             details(
                 "Old trunks are rough below where they are smooth or flaking above: birch, Scots pine, cherry, gum. Over the last \
-                 two tiles (bark_tile) below this height the bark of the trunk tears open over it; it ends on whole tiles. The wood is \
+                 two tiles (bark_tile) below this height the bark of the trunk tears open over it; it ends on whole tiles, and is nothing below half of one. The wood is \
                  written in parts, wood_foot and wood_foot_edge, each with pictures of its own; levels of detail below \
                  5000 triangles have neither. Roots above the ground have it too, and so has thick wood that \
                  hangs so low."

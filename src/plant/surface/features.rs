@@ -34,7 +34,7 @@ pub struct Features {
     /// as far as it needs to be closed all around, whatever this says.
     pub foot_depth: f32,
     /// How high over the foot the last of its own bark is, metres, about; 0: it has none. See [`Tubes::foot_edge`].
-    pub foot_bark_m: f32,
+    pub foot_height_m: f32,
     /// How steep the ground falls towards +X, degrees: the foot and the roots follow it.
     pub ground_slope_deg: f32,
     /// Lobes round a stem, all along it; 0: it is round.
@@ -65,7 +65,7 @@ impl Default for Features {
             flare_depth: 0.6,
             flare_smallest_m: 0.0,
             foot_depth: 0.0,
-            foot_bark_m: 0.0,
+            foot_height_m: 0.0,
             ground_slope_deg: 0.0,
             lobes: 0,
             lobe_depth: 0.1,

@@ -16,7 +16,7 @@ pub(super) const ALL: Features = Features {
     flare_depth: 0.8,
     flare_smallest_m: 0.0,
     foot_depth: 0.0,
-    foot_bark_m: 0.0,
+    foot_height_m: 0.0,
     ground_slope_deg: 0.0,
     lobes: 7,
     lobe_depth: 0.2,

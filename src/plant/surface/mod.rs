@@ -108,16 +108,17 @@ impl Tubes {
     }
 
     /// Between which heights over the foot a stem's bark changes from that of the foot to its own, in tiles of bark, where
-    /// the foot has its own: stems have a ring at each.
+    /// the foot has its own: stems that stand on the ground have a ring at each. What is lower than half a tile is nothing, and a
+    /// solid has one bark.
     pub fn foot_edge(&self) -> Option<[u32; 2]> {
-        let tiles = libm::roundf(self.features.foot_bark_m / self.bark_tile_m) as u32;
-        let from = tiles.saturating_sub(FOOT_EDGE_TILES);
-        (self.features.foot_bark_m > 0.0).then_some([from, from + FOOT_EDGE_TILES])
+        let tiles = libm::roundf(self.features.foot_height_m / self.bark_tile_m) as u32;
+        let is_parted = tiles > 0 && self.junction != Junction::Watertight;
+        is_parted.then_some([tiles.saturating_sub(FOOT_EDGE_TILES), tiles])
     }
 }
 
-/// Over how many tiles of bark that of the foot ends.
-pub const FOOT_EDGE_TILES: u32 = 2;
+/// Over how many tiles of bark that of the foot ends, at most.
+const FOOT_EDGE_TILES: u32 = 2;
 
 impl Default for Tubes {
     fn default() -> Self {

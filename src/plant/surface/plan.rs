@@ -114,17 +114,22 @@ impl<'a> Course<'a> {
             if let Some(flare) = &form.flare {
                 flare.widen(stations);
             }
-            if let Some(edge) = self.tubes.foot_edge() {
+            if let Some(edge) = self.tubes.foot_edge().filter(|_| self.stands(&base)) {
                 // Stems change their bark at rings.
                 spread::insert(stations, edge.map(|tiles| tiles as f32 * self.tubes.bark_tile_m).into_iter());
             }
         } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
-        let sinks = is_stem && base.position.y - self.ground_m <= base.radius;
+        let sinks = is_stem && self.stands(&base);
         let below_m = if sinks { path::sink(stations, features.foot_depth, features.fall()) } else { 0.0 };
         form.is_bent = path::rings(stations, below_m, |radius_m| self.roundness.reach(radius_m), kept, rings);
         form
+    }
+
+    /// Whether a stem with such a base stands on the ground.
+    fn stands(&self, base: &Station) -> bool {
+        base.position.y - self.ground_m <= base.radius
     }
 
     fn collar(&self, axis: &Axis, radius_m: f32, stations: &mut Vec<Station>) -> Option<Collar> {

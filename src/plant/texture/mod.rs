@@ -10,7 +10,7 @@ mod kept;
 pub mod leaf;
 mod periodic;
 
-pub(crate) use bark::opaque;
-pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, Moss, Torn, normals_by_lightness};
+pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, Moss, normals_by_lightness};
+pub(crate) use bark::{Torn, opaque};
 pub use drawn::DrawnPictures;
 pub use ground::{GROUND_TILE_M, ground};

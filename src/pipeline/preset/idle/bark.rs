@@ -56,15 +56,17 @@ pub(super) static RULES: &[Rule] = &[
     },
     Rule {
         knobs: &["foot_bark", "foot_color"],
-        why: |preset| when(preset.dressing.tubes.features.foot_bark_m == 0.0, "foot_height is 0"),
+        why: |preset| when(preset.dressing.tubes.features.foot_height_m == 0.0, "foot_height is 0"),
     },
     Rule {
         knobs: FOOT,
         why: |preset| {
             let Dressing { bark, detail, tubes, .. } = &preset.dressing;
-            when(!bark.is_drawn(), "it lies under a bark that is drawn, and a picture stands in its place")
+            let is_none = tubes.features.foot_height_m > 0.0 && tubes.foot_edge().is_none();
+            when(!bark.is_drawn(), "the trunk's bark is a picture of yours")
                 .or(when(tubes.junction == Junction::Watertight, ONE_BARK))
                 .or(when(is_small(detail), SMALL))
+                .or(when(is_none, "foot_height is less than half of bark_tile"))
         },
     },
     Rule {

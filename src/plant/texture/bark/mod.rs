@@ -21,7 +21,7 @@ use self::even::even;
 use self::lenticels::Lenticels;
 pub use self::moss::Moss;
 use self::surface::{Spot, Surface};
-pub use self::torn::Torn;
+pub(crate) use self::torn::Torn;
 pub use self::user::{normals_by_lightness, opaque};
 use linden_base::color::{code, linear};
 use linden_base::memory::{OverMemory, bytes_of};
