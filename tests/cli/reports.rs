@@ -242,10 +242,15 @@ fn sources_stand_behind_options_without_a_value() {
     let wrong = folder.run(&["export", "--ages", "rihgt", "-o", "h.obj"]);
     assert_eq!(wrong.code, Some(2));
     assert!(
-        wrong.err.contains("'rihgt' is taken for the value of --ages") && wrong.err.contains("--ages=VALUE"),
+        wrong.err.contains("'rihgt' is taken for the value of --ages; write the source before --ages\n"),
         "{}",
         wrong.err
     );
+    // No file that is a source becomes one that is written.
+    let right = folder.read("right.toml");
+    let lost = folder.run(&["export", "abop-a", "-o", "--wind", "right.toml", "--format=glb"]);
+    assert!(lost.code == Some(2) && lost.err.contains("a value is required for '--output"), "{}", lost.err);
+    assert_eq!(folder.read("right.toml"), right);
     let other = folder.run(&["sheet", "right.toml", "--ages", "young"]);
     assert!(other.code == Some(2) && !other.err.contains("is taken for"), "{}", other.err);
 }

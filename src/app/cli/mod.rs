@@ -515,7 +515,8 @@ fn parse() -> Result<Cli, clap::Error> {
     if !optional::are_among(&typed) {
         return Cli::try_parse_from(typed);
     }
-    let program = Cli::command();
+    let mut program = Cli::command();
+    program.build();
     let parse = |taking| Cli::try_parse_from(optional::apart(&program, typed.clone(), taking));
     parse(optional::Taking::Unlike).or_else(|error| match error.kind() {
         ErrorKind::MissingRequiredArgument => parse(optional::Taking::All).map_err(|_| error),
@@ -534,10 +535,10 @@ fn tell_what_took_a_source(error: &mut clap::Error) {
         return;
     }
     let arguments: Vec<_> = std::env::args_os().collect();
-    let Some((option, word)) = optional::taken(&Cli::command(), &arguments) else { return };
-    let tip = format!(
-        "'{word}' is taken for the value of {option}; a source stands before it, or a value behind '=': {option}=VALUE"
-    );
+    let mut program = Cli::command();
+    program.build();
+    let Some((option, word)) = optional::taken(&program, &arguments) else { return };
+    let tip = format!("'{word}' is taken for the value of {option}; write the source before {option}");
     error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
 }
 
