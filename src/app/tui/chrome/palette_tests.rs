@@ -98,15 +98,34 @@ fn an_age_that_the_plant_does_not_name_is_told_with_those_that_it_does() {
         let preset = bench.model.tree.as_ref().unwrap().preset();
         preset.text_of(&preset.find_knob(name).unwrap()).unwrap()
     };
-    for (typed, name, value) in [("age 9y", "years", "9"), ("age half=0.5", "age", "0.5")] {
+    let (opened_years, opened_age) = (knob(&bench, "years"), knob(&bench, "age"));
+    assert!(opened_years != "9" && opened_age != "0.5", "{opened_years} {opened_age}");
+    // One after the other: none stays when the next one is shown.
+    for (typed, years, age) in [
+        ("age 9y", "9", &*opened_age),
+        ("age half=0.5", &*opened_years, "0.5"),
+        ("age 9y", "9", &*opened_age),
+        ("age grown", &*opened_years, &*opened_age),
+    ] {
         bench.keys("ctrl-u").types(typed).keys("enter");
         assert!(bench.model.dialogs.is_empty(), "{typed}: {:?}", bench.model.message);
-        assert_eq!(knob(&bench, name), value, "{typed}");
-        bench.keys("u :");
+        assert_eq!((&*knob(&bench, "years"), &*knob(&bench, "age")), (years, age), "{typed}");
+        bench.keys(":");
     }
     // A share alone is a value of the knob, as before.
     bench.keys("ctrl-u").types("age 0.7").keys("enter");
     assert_eq!(knob(&bench, "age"), "0.7");
+    // A plant that names none is shown at typed ages all the same.
+    let mut bench = Bench::new(110, 34).without_pictures().with_plain("so-hazel");
+    let (opened_years, opened_age) = (knob(&bench, "years"), knob(&bench, "age"));
+    for (typed, years, age) in [
+        ("age half=0.5", &*opened_years, "0.5"),
+        ("age 9y", "9", &*opened_age),
+        ("age half=0.5", &*opened_years, "0.5"),
+    ] {
+        bench.keys(":").types(typed).keys("enter");
+        assert_eq!((&*knob(&bench, "years"), &*knob(&bench, "age")), (years, age), "{typed}");
+    }
 }
 
 #[test]

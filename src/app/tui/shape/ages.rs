@@ -2,6 +2,7 @@
 
 use linden::preset::{Age, KnobError, Preset};
 
+use crate::source::OF_AGE;
 use crate::tui::model::Model;
 
 /// The ages of the tree, by name, with what each turns.
@@ -42,7 +43,9 @@ pub fn typed_age(preset: &Preset, typed: &str) -> Result<Age, String> {
 
 fn at(now: &Preset, saved: &Preset, age: &Age) -> Result<Preset, KnobError> {
     let mut preset = now.clone();
-    for (knob, _) in now.ages().iter().flat_map(Age::turns) {
+    let named = now.ages().iter().flat_map(Age::turns).map(|(knob, _)| knob);
+    // Ages that were typed turn these, whatever the plant names.
+    for knob in named.chain(OF_AGE) {
         if let Some(text) = saved.find_knob(knob).and_then(|row| saved.text_of(&row)) {
             preset.set(knob, &text)?;
         }
