@@ -288,7 +288,7 @@ fn models_in_folders_that_are_cut_off_fail() {
 fn models_of_others_that_cannot_be_read_are_named_and_are_no_failure() {
     let folder = Folder::new();
     export(&folder, "fir", &["-o", "a.glb"]);
-    folder.write("next.glb", [&b"glTF"[..], &3_u32.to_le_bytes(), &[0; 20]].concat());
+    folder.write("next.glb", [&b"glTF"[..], &3_u32.to_le_bytes(), &28_u32.to_le_bytes(), &[0; 16]].concat());
     let elsewhere = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"gone.bin","byteLength":4}]}"#;
     folder.write("elsewhere.gltf", elsewhere);
     let (said, report) = verify(&folder, &["."]);
@@ -299,6 +299,39 @@ fn models_of_others_that_cannot_be_read_are_named_and_are_no_failure() {
     sparse.set_len(3 << 30).unwrap();
     let (said, report) = verify(&folder, &[".", "--memory=1G"]);
     assert_eq!((said.code, report["without_recipe"].as_array().unwrap().len()), (Some(0), 3), "{}", said.out);
+}
+
+/// No other version, and no other program, writes these.
+#[test]
+fn broken_models_are_no_models_of_others() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "a.glb", "-o", "a.usdz"]);
+    let mut cut = folder.read("a.glb")[..2000].to_vec();
+    cut[4..8].fill(0xff);
+    folder.write("cut.glb", cut);
+    let mut old = folder.read("a.glb");
+    old[4..8].copy_from_slice(&1_u32.to_le_bytes());
+    folder.write("old.glb", old);
+    for (name, uri) in [("base", "data:application/octet-stream;base64,%%%"), ("way", "data:,AAAA")] {
+        let text = format!(r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"uri":"{uri}","byteLength":4}}]}}"#);
+        folder.write(&format!("{name}.gltf"), text);
+    }
+    // Its first file is called deflated (8).
+    let mut packed = folder.read("a.usdz");
+    packed[8..10].copy_from_slice(&8_u16.to_le_bytes());
+    folder.write("packed.usdz", packed);
+    for name in ["a.glb", "a.usdz"] {
+        fs::remove_file(folder.file(name)).unwrap();
+    }
+    let (said, report) = verify(&folder, &["."]);
+    let of = |row: &serde_json::Value| (row["file"].clone(), row["outcome"].clone());
+    let found: Vec<_> = report["files"].as_array().unwrap().iter().map(of).collect();
+    let expected = ["./base.gltf", "./cut.glb", "./old.glb", "./packed.usdz", "./way.gltf"];
+    let failed = expected.map(|name| (name.into(), "failed".into()));
+    assert_eq!(
+        (said.code, found, &report["without_recipe"]),
+        (Some(1), failed.to_vec(), &serde_json::json!([]))
+    );
 }
 
 #[test]

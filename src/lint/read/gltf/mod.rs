@@ -81,9 +81,12 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
         let word = bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes);
         word.ok_or_else(|| broken("it ends within its header"))
     };
-    let version = word(4)?;
+    let (version, length) = (word(4)?, word(8)?);
     if version != 2 {
-        return Err(beyond(format!("version {version} is not read, only 2")));
+        let problem = format!("version {version} is not read, only 2");
+        // What is not as long as it says is no whole file of any version.
+        let may_be_whole = version > 2 && length as usize == bytes.len();
+        return Err(if may_be_whole { beyond(problem) } else { broken(problem) });
     }
     let (mut at, mut json, mut binary) = (12, None, None);
     while at < bytes.len() {
@@ -113,7 +116,7 @@ fn buffers(
     for (index, buffer) in document.buffers.iter().enumerate() {
         monitor.check()?;
         let content = match &buffer.uri {
-            Some(uri) => Some(content(uri, beside).map_err(|why| beyond(format!("its buffer {why}")))?),
+            Some(uri) => Some(content(uri, beside).map_err(NoContent::of_buffer)?),
             None if index == 0 => binary.map(<[u8]>::to_vec),
             None => None,
         };
@@ -123,16 +126,42 @@ fn buffers(
     Ok(buffers)
 }
 
+/// Why a URI has no content.
+enum NoContent {
+    /// It is data, which is broken.
+    Data(String),
+    /// It names a file that is not there, or may not be read.
+    Beside(String),
+}
+
+impl NoContent {
+    fn of_buffer(self) -> ReadError {
+        match self {
+            Self::Data(why) => broken(format!("its buffer {why}")),
+            Self::Beside(why) => beyond(format!("its buffer {why}")),
+        }
+    }
+
+    fn why(self) -> String {
+        match self {
+            Self::Data(why) | Self::Beside(why) => why,
+        }
+    }
+}
+
 /// What a URI names.
-fn content(uri: &str, beside: &dyn Beside) -> Result<Vec<u8>, String> {
+fn content(uri: &str, beside: &dyn Beside) -> Result<Vec<u8>, NoContent> {
     if let Some(data) = uri.strip_prefix("data:") {
-        let (_, data) = data.split_once(";base64,").ok_or("is data in an unknown way")?;
-        return STANDARD.decode(data).map_err(|error| format!("is no base64: {error}"));
+        let (_, data) = data
+            .split_once(";base64,")
+            .ok_or_else(|| NoContent::Data("is data in an unknown way".to_owned()))?;
+        let decoded = STANDARD.decode(data);
+        return decoded.map_err(|error| NoContent::Data(format!("is no base64: {error}")));
     }
     let name = decoded(uri);
-    match beside.read(&name)? {
+    match beside.read(&name).map_err(NoContent::Beside)? {
         Some(bytes) => Ok(bytes),
-        None => Err(format!("{} is not there", shown(&name))),
+        None => Err(NoContent::Beside(format!("{} is not there", shown(&name)))),
     }
 }
 
@@ -174,7 +203,7 @@ fn picture(
     let file = image.uri.as_deref().filter(|uri| !uri.starts_with("data:")).map(decoded);
     let name = image.name.clone().or(file).unwrap_or_else(|| format!("texture {index}"));
     let bytes = match (&image.uri, image.buffer_view) {
-        (Some(uri), _) => content(uri, beside),
+        (Some(uri), _) => content(uri, beside).map_err(NoContent::why),
         (None, Some(view)) => {
             buffers.view(view).map(<[u8]>::to_vec).ok_or("its bytes are not there".to_owned())
         }

@@ -1,6 +1,6 @@
 //! A package: an archive whose files are stored as they are (<https://openusd.org/release/spec_usdz.html>).
 
-use super::{ReadError, beyond, broken};
+use super::{ReadError, broken};
 use crate::read::Beside;
 
 /// The files of a package, in their order.
@@ -17,7 +17,7 @@ impl<'a> Package<'a> {
             let short = |at: usize| u16::from_le_bytes([header[at], header[at + 1]]);
             let size = u32::from_le_bytes([header[22], header[23], header[24], header[25]]) as usize;
             if short(8) != 0 || short(6) & 8 != 0 {
-                return Err(beyond("its package has files that are packed, which packages may not have"));
+                return Err(broken("its package has files that are packed, which packages may not have"));
             }
             let name = at + HEADER;
             let data = name + usize::from(short(26)) + usize::from(short(28));
