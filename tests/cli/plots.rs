@@ -61,6 +61,7 @@ fn each_tree_of_a_plot_is_grown_by_itself_where_it_stands() {
     folder.write("plot.csv", text.as_bytes());
     let said = folder.run(&["export", "plot.csv", "-o", "trees/", "--format", "glb,qsm"]);
     assert!(said.code == Some(0) && said.err.contains("'treeID' tells 2 trees apart"), "{}", said.err);
+    assert!(said.out == "2 trees written into trees/, with trees/trees.csv\n", "{}", said.out);
     let rows = table(&folder.read("trees/trees.csv"));
     assert_eq!(rows.len(), 2);
     for (preset, number, [east, north]) in TREES {
@@ -143,6 +144,12 @@ fn what_is_wrong_with_a_tree_stops_no_other() {
     let rows = table(&folder.read("trees/trees.csv"));
     assert!(rows[&1000]["error"].contains("points") && rows[&1000]["files"].is_empty(), "{rows:?}");
     assert!(rows[&7]["error"].is_empty() && folder.read("trees/7.glb").starts_with(b"glTF"));
+    // What took how long is told, and which files were left alone, though not all trees were written.
+    let kept = folder.run(&["export", "plot.csv", "-o", "trees/", "--no-sync", "--if-changed", "--timings"]);
+    let left =
+        "note: trees/7.glb, trees/21.glb had their bytes already and were left alone; 1 of 3 written\n";
+    assert!(kept.err.contains(left) && kept.err.contains("step "), "{}", kept.err);
+    assert!(kept.err.contains("\n3 files of ") && kept.out.is_empty(), "{}{}", kept.err, kept.out);
     // The same as one document, which lists what was written.
     let said = folder.run(&["export", "plot.csv", "-o", "again/", "--no-sync", "--json"]);
     let document = said.json();

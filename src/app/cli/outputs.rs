@@ -294,10 +294,15 @@ pub fn list_with(files: &[File], told: Option<&str>) -> anyhow::Result<()> {
         let told = told.filter(|_| i == 0).map(|told| format!("  {told}")).unwrap_or_default();
         lines.push_str(&format!("{}  {size}{told}\n", file.path));
     }
+    say_kept(files);
+    super::print(&lines)
+}
+
+/// Says on standard error which files were left alone, if any were.
+pub fn say_kept(files: &[File]) {
     if let Some(note) = kept(files) {
         say(&format!("note: {note}"));
     }
-    super::print(&lines)
 }
 
 /// Which files were left alone, if any were.

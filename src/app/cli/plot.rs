@@ -106,22 +106,24 @@ impl Plot<'_> {
         folders.keep();
         progress.clear();
         timings.lap("grow");
-        if self.telling.is_json() {
-            let written = rows.iter().filter_map(|row| row.written.as_ref().ok());
-            let mut files = File::all(&written.flat_map(|tree| tree.files.clone()).collect::<Vec<_>>());
-            files.push(File { path: show(&table), bytes: text.len() as u64, kept: false });
-            let subject = Subject::of([self.source.shown.clone()]);
-            self.telling.tell(&timings, &subject, &files, 0, None)?;
-        }
+        let written = rows.iter().filter_map(|row| row.written.as_ref().ok());
+        let mut files = File::all(&written.flat_map(|tree| tree.files.clone()).collect::<Vec<_>>());
+        files.push(File { path: show(&table), bytes: text.len() as u64, kept: false });
+        let subject = Subject::of([self.source.shown.clone()]);
         let failed = rows.iter().filter(|row| row.written.is_err()).count();
+        let line = if failed == 0 { self.line(&table) } else { String::new() };
+        self.telling.tell_in_a_line(&timings, &subject, &files, &line)?;
         if failed > 0 {
             bail!("{failed} of {count} trees failed; {} says why", show(&table));
         }
-        if self.telling.is_json() {
-            return Ok(());
-        }
+        Ok(())
+    }
+
+    /// What was written, in place of a list of files.
+    fn line(&self, table: &Path) -> String {
+        let count = self.trees.numbers.len();
         let trees = if count == 1 { "tree" } else { "trees" };
-        super::print(&format!("{count} {trees} written into {}, with {}\n", show(self.folder), show(&table)))
+        format!("{count} {trees} written into {}, with {}\n", show(self.folder), show(table))
     }
 
     fn recipe(&self, number: u32) -> anyhow::Result<Recipe> {

@@ -6,7 +6,7 @@ use clap::Args;
 use linden_exporters::Written;
 use serde::Serialize;
 
-use super::outputs::list_with;
+use super::outputs::{list_with, say_kept};
 use crate::cache;
 use crate::exit::{say, usage};
 use crate::system::{cpu_time, peak_memory};
@@ -24,11 +24,6 @@ pub struct Telling {
 }
 
 impl Telling {
-    /// Whether a document is in the place of the list of files.
-    pub const fn is_json(&self) -> bool {
-        self.json
-    }
-
     /// Refuses the document where a file itself goes to standard output.
     pub fn ensure_free(&self, streams: usize) -> anyhow::Result<()> {
         if self.json && streams > 0 {
@@ -49,10 +44,30 @@ impl Telling {
         if self.json {
             return super::print(&timings.json(subject, files)?);
         }
+        self.say_steps(timings, files);
+        if streams == 0 { list_with(files, told) } else { Ok(()) }
+    }
+
+    /// The same where one line is in the place of a long list of files.
+    pub fn tell_in_a_line(
+        &self,
+        timings: &Timings,
+        subject: &Subject,
+        files: &[File],
+        line: &str,
+    ) -> anyhow::Result<()> {
+        if self.json {
+            return super::print(&timings.json(subject, files)?);
+        }
+        self.say_steps(timings, files);
+        say_kept(files);
+        super::print(line)
+    }
+
+    fn say_steps(&self, timings: &Timings, files: &[File]) {
         if self.timings {
             say(timings.table(files).trim_end());
         }
-        if streams == 0 { list_with(files, told) } else { Ok(()) }
     }
 }
 
