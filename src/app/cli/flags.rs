@@ -9,12 +9,21 @@ use linden::preset::KNOBS;
 const MEANT: [&str; 4] = ["--season", "--seasons", "--ages", "--mkdir"];
 
 /// What stands in a manifest, by the flags that other commands have for it.
-const IN_MANIFESTS: [(&[&str], &str); 5] = [
-    (&["--set", "--triangles", "--wind", "--lods"], "set = { triangles = 20000 }"),
-    (&["--seed", "--seeds"], "seeds = \"1..50\""),
-    (&["--define"], "define = { r1 = [0.8, 0.9] }"),
-    (&["--age", "--ages"], "ages = [\"young\", \"10y\"]"),
-    (&["--format"], "formats = [\"glb\"]"),
+const IN_MANIFESTS: [(&str, &str); 14] = [
+    ("--set", "set = { bark_size = 256 }"),
+    ("--triangles", "set = { triangles = 20000 }"),
+    ("--wind", "set = { wind = \"sway\" }"),
+    ("--lods", "set = { lods = 3 }"),
+    ("--lod-ratio", "set = { lod_ratio = 0.4 }"),
+    ("--billboard", "set = { billboard = 2 }"),
+    ("--season", "set = { season = \"autumn\" }"),
+    ("--seasons", "set = { season = [\"summer\", \"autumn\"] }"),
+    ("--seed", "seed = 7"),
+    ("--seeds", "seeds = \"1..50\""),
+    ("--define", "define = { r1 = [0.8, 0.9] }"),
+    ("--age", "ages = [\"10y\"]"),
+    ("--ages", "ages = [\"young\", \"10y\"]"),
+    ("--format", "formats = [\"glb\"]"),
 ];
 
 /// What may be meant by a flag.
@@ -85,7 +94,7 @@ impl Here<'_> {
     fn meant_by(&self, flag: &str) -> Vec<String> {
         let mut tips: Vec<&str> = Vec::new();
         if self.name == Some("batch") {
-            let in_manifest = IN_MANIFESTS.iter().find(|(flags, _)| flags.contains(&flag));
+            let in_manifest = IN_MANIFESTS.iter().find(|(known, _)| *known == flag);
             if let Some((_, line)) = in_manifest {
                 return vec![format!("the manifest says it, of each of its [[trees]]: {line}")];
             }
@@ -155,4 +164,40 @@ fn spelt_alike<'a>(typed: &str, flags: impl IntoIterator<Item = &'a str>) -> Opt
     let flags: Vec<&str> = flags.into_iter().map(letters).collect();
     let begun = || flags.iter().find(|flag| typed.len() >= LEAST && flag.starts_with(typed)).copied();
     nearest(typed, flags.iter().copied()).or_else(begun).map(|flag| format!("--{flag}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+    use linden::manifest::Manifest;
+    use linden::preset::builtin;
+
+    use super::*;
+    use crate::cli::Cli;
+
+    #[test]
+    fn lines_of_manifests_say_what_the_flag_says() {
+        let mut program = Cli::command();
+        program.build();
+        for (flag, line) in IN_MANIFESTS {
+            let told = Meant::by(flag, Some("batch"), &program);
+            let Meant::Tips(tips) = told else { panic!("{flag}: {told:?}") };
+            assert!(tips.len() == 1 && tips[0].ends_with(line), "{flag}: {tips:?}");
+            let formats = if flag == "--format" { "" } else { "formats = [\"obj\"]\n" };
+            let manifest = Manifest::parse(&format!("[[trees]]\nsource = \"oak\"\n{formats}{line}\n"));
+            let manifest = manifest.unwrap_or_else(|fault| panic!("{line}: {fault}"));
+            let mut preset = builtin("oak").unwrap().load().unwrap();
+            let knob = flag.trim_start_matches('-').replace('-', "_");
+            for number in 0..manifest.len() {
+                let item = manifest.item(number).unwrap();
+                for (name, value) in &item.set {
+                    assert!(flag == "--set" || knob.starts_with(name), "{flag}: {line}");
+                    preset.set(name, value).unwrap_or_else(|error| panic!("{line}: {error}"));
+                }
+                if let Some(age) = item.age {
+                    assert_eq!(preset.ages_of(age).unwrap().len(), 1, "{line}");
+                }
+            }
+        }
+    }
 }
