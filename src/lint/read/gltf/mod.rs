@@ -81,11 +81,11 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), ReadError> {
         let word = bytes.get(at..at + 4).and_then(|word| word.try_into().ok()).map(u32::from_le_bytes);
         word.ok_or_else(|| broken("it ends within its header"))
     };
-    let (version, length) = (word(4)?, word(8)?);
+    let version = word(4)?;
     if version != 2 {
         let problem = format!("version {version} is not read, only 2");
         // What is not as long as it says is no whole file of any version.
-        let may_be_whole = version > 2 && length as usize == bytes.len();
+        let may_be_whole = version > 2 && word(8).is_ok_and(|length| length as usize == bytes.len());
         return Err(if may_be_whole { beyond(problem) } else { broken(problem) });
     }
     let (mut at, mut json, mut binary) = (12, None, None);
