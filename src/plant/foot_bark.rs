@@ -121,8 +121,6 @@ impl Foot {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use glam::Vec3;
 
     use super::*;
@@ -222,23 +220,17 @@ mod tests {
 
     #[test]
     fn it_is_at_feet_alone() {
-        // Half of a tree that was cut off ends high up, across its bark.
-        let subject = oak(&[("foot_height", "1.2"), ("ends", "broken"), ("surface_roots", "0")]);
-        let mut grown = subject.grow();
-        let top = grown.skeleton.axis_nodes[grown.skeleton.axes[0].len as usize - 1];
-        Arc::make_mut(&mut grown.skeleton).marks.cuts = vec![top];
-        let highest = |scene: &Scene, name: &str| {
-            wood(scene, name).positions.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max)
-        };
-        let scene = subject.dress(&grown);
-        assert!(highest(&scene, "wood_foot") < 0.5 && highest(&scene, "wood_foot_edge") < 1.3);
-        // A second stem hangs in the air.
-        let poles = "id = \"poles\"\n[lsystem]\naxiom = \"FF[f(8)FF]\"\nrules = []\nderivations = 0\n\
-                     segment_length = 1\nsegment_width = 0.2\n[surface]\nfoot_height = 1.5\n[bark]\nbark_size = 64\n";
+        // A thick pole is sawn off high up, across its bark, and a second one hangs in the air.
+        let poles = "id = \"poles\"\n[lsystem]\naxiom = \"FFFF[f(8)FF]\"\nrules = []\nderivations = 0\n\
+                     segment_length = 1\nsegment_width = 0.2\n[surface]\nfoot_height = 1.5\nends = \"cut\"\n\
+                     [bark]\nbark_size = 64\n";
         let subject = Subject::of(Recipe::new(Preset::from_toml(poles).unwrap()));
         let scene = subject.dress(&subject.grow());
-        assert!(highest(&scene, "wood") > 11.0);
-        assert!(highest(&scene, "wood_foot") < 0.6 && highest(&scene, "wood_foot_edge") < 1.6);
+        let highest = |name: &str| {
+            wood(&scene, name).positions.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max)
+        };
+        assert!(highest("wood") > 13.0);
+        assert!(highest("wood_foot") < 0.6 && highest("wood_foot_edge") < 1.6);
     }
 
     #[test]

@@ -144,6 +144,7 @@ impl Wardrobe {
         // Moss covers the whole trunk, whatever its barks.
         let is_thick: Vec<bool> = marks.iter().map(|mark| mark & THICK > 0).collect();
         let covering = mossy.cover(&trunk.mesh, &is_thick, (self.cuts, all));
+        let foot = Foot::of(&specimen.dressing.tubes, foot_m);
         let trunk = parts.remove(0);
         let mut cut = Vec::new();
         for (mut part, number) in by_foot(trunk, marks) {
@@ -155,8 +156,7 @@ impl Wardrobe {
                     &self.foot[coat]
                 }
             };
-            let edge = Foot::of(&specimen.dressing.tubes, foot_m).filter(|_| number == foot_bark::EDGE);
-            if let Some(foot) = edge {
+            if let Some(foot) = foot.as_ref().filter(|_| number == foot_bark::EDGE) {
                 foot.stretch(&mut part.mesh);
             }
             let its = covering.steps.iter().zip(marks).filter(|(_, mark)| *mark & FOOT == number);
